@@ -1,0 +1,62 @@
+"""Everything a run's metrics and figures are computed from, as plain arrays on one clock."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class RunLog:
+    """Signals of one simulated run, sampled on a uniform clock of N samples.
+
+    Skill signals are in the person's torso frame, robot signals in the world frame W. Arms in the order left, right;
+    joints 1-7 of the left arm, then of the right; links in the order of `skeleton.LINKS`.
+
+    Attributes:
+        t: (N,) s.
+        phase: (N,).
+        position: (N, 6, 3) coupled skill, m.
+        uncoupled: (N, 6, 3) the same skill without coupling, m.
+        demonstrated: (N, 6, 3) what the skill was learned from, on the run's clock, m.
+        lower, upper: (N, 5) the links' bands, m.
+        desired: (N, 5) the links' desired lengths, m.
+        barrier: (N, 5) barrier values V.
+        q, q_desired: (N, 14) joint angles, rad.
+        v: (N, 14) joint velocities, rad/s.
+        effort: (N, 14) actuation, N m.
+        q_lower, q_upper, v_limit, effort_limit: (14,) limits.
+        palm, palm_desired: (N, 2, 7) poses X_WP as qw qx qy qz x y z.
+        swivel, swivel_desired: (N, 2) rad.
+        palm_force: (N, 2) normal force of each palm on the box, N.
+        box: (N, 7) pose X_WB as qw qx qy qz x y z.
+        box_desired: (N, 7) where the plan has it.
+        clearance: (N,) least distance between bodies that must not touch, m.
+        events: (name, time in s): grasp, lift, lower, release and so on.
+    """
+
+    t: np.ndarray
+    phase: np.ndarray
+    position: np.ndarray
+    uncoupled: np.ndarray
+    demonstrated: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    desired: np.ndarray
+    barrier: np.ndarray
+    q: np.ndarray
+    q_desired: np.ndarray
+    v: np.ndarray
+    effort: np.ndarray
+    q_lower: np.ndarray
+    q_upper: np.ndarray
+    v_limit: np.ndarray
+    effort_limit: np.ndarray
+    palm: np.ndarray
+    palm_desired: np.ndarray
+    swivel: np.ndarray
+    swivel_desired: np.ndarray
+    palm_force: np.ndarray
+    box: np.ndarray
+    box_desired: np.ndarray
+    clearance: np.ndarray
+    events: tuple[tuple[str, float], ...] = ()
