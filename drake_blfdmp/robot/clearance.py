@@ -1,0 +1,123 @@
+"""The least distance between bodies that must not touch."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.multibody.tree import RigidBody
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_blfdmp.errors import TaskError
+from drake_blfdmp.robot.box import AddBox, AddTable, BoxParameters, TableParameters
+from drake_blfdmp.robot.plant import AddDualPanda
+
+SECOND_NEIGHBOURS = (
+    *((f"panda_link{k}", f"panda_link{k + 2}") for k in range(6)),
+    ("panda_link6", "palm"),
+)
+
+
+class ClearanceChecker:
+    """Distances among both arms, their pedestals, the tables and, if given, the box.
+
+    Not counted, because they touch by purpose: palms and box, box and tables. Not counted, because their distance says
+    nothing: what is joined or stands still relative to each other, and links of one arm with one link between, which
+    are always near and cannot touch within the joint limits. The box against the rest of the arms does count.
+
+    Attributes:
+        plant: the plant behind it, finalized; its positions are q (14), then the box's seven.
+    """
+
+    def __init__(
+        self,
+        supports: Sequence[TableParameters] = (),
+        box: BoxParameters | None = None,
+        max_distance: float = 0.2,
+    ):
+        """Builds the scene.
+
+        Args:
+            supports: the tables.
+            box: the box, or None to leave it out.
+            max_distance: m; farther pairs are not looked at, which is what makes a query cheap.
+
+        Raises:
+            TaskError: `max_distance` is not > 0.
+        """
+        if not max_distance > 0:
+            raise TaskError(f"clearance max_distance: {max_distance} must be > 0")
+        self._max_distance = max_distance
+        builder = DiagramBuilder()
+        self.plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
+        self._arms = AddDualPanda(self.plant)
+        tables = [AddTable(self.plant, support) for support in supports]
+        self._box = None if box is None else AddBox(self.plant, box)
+        self.plant.Finalize()
+
+        self._box_ids = set()
+        if self._box is not None:
+            self._box_ids = set(self._geometries([self._box]))
+            touching = [self.plant.GetBodyByName("palm", arm) for arm in self._arms] + tables
+            scene_graph.collision_filter_manager().Apply(
+                CollisionFilterDeclaration().ExcludeBetween(
+                    GeometrySet(list(self._box_ids)), GeometrySet(self._geometries(touching))
+                )
+            )
+        self._exclude_second_neighbours(scene_graph)
+        inspector = scene_graph.model_inspector()
+        self._name = {}
+        for id in inspector.GetAllGeometryIds():
+            body = self.plant.GetBodyFromFrameId(inspector.GetFrameId(id))
+            instance = self.plant.GetModelInstanceName(body.model_instance())
+            self._name[id] = instance if instance == body.name() else f"{instance}::{body.name()}"
+
+        self._diagram = builder.Build()
+        context = self._diagram.CreateDefaultContext()
+        self._plant_context = self.plant.GetMyMutableContextFromRoot(context)
+        self._scene_context = scene_graph.GetMyContextFromRoot(context)
+        self._query_port = scene_graph.get_query_output_port()
+        self._context = context
+
+    def _geometries(self, bodies: Sequence[RigidBody]) -> list:
+        return [id for body in bodies for id in self.plant.GetCollisionGeometriesForBody(body)]
+
+    def _exclude_second_neighbours(self, scene_graph: SceneGraph) -> None:
+        manager = scene_graph.collision_filter_manager()
+        for arm in self._arms:
+            for pair in SECOND_NEIGHBOURS:
+                a, b = (GeometrySet(self._geometries([self.plant.GetBodyByName(name, arm)])) for name in pair)
+                manager.Apply(CollisionFilterDeclaration().ExcludeBetween(a, b))
+
+    def min_clearance(self, q: np.ndarray, X_WB: RigidTransform | None = None) -> tuple[float, tuple[str, str]]:
+        """The closest pair of bodies.
+
+        Args:
+            q: (14,) joint angles, left arm first, rad.
+            X_WB: the box's pose; None leaves the box out of account.
+
+        Returns:
+            The signed distance, m (negative: overlap), and two names, as `left_arm::panda_link5` or `table`. When
+            nothing is nearer than `max_distance`: `max_distance` and two empty names.
+
+        Raises:
+            TaskError: q has the wrong shape or is not finite, or X_WB is given to a checker without a box.
+        """
+        q = np.asarray(q, dtype=float)
+        if q.shape != (14,) or not np.all(np.isfinite(q)):
+            raise TaskError(f"clearance: q of shape {q.shape} must be 14 finite joint angles")
+        for arm, q_arm in zip(self._arms, (q[:7], q[7:]), strict=True):
+            self.plant.SetPositions(self._plant_context, arm, q_arm)
+        if X_WB is not None:
+            if self._box is None:
+                raise TaskError("clearance: a box pose was given to a checker built without a box; pass box=...")
+            self.plant.SetFreeBodyPose(self._plant_context, self._box, X_WB)
+
+        query = self._query_port.Eval(self._scene_context)
+        ignored = self._box_ids if X_WB is None else frozenset()
+        closest, names = self._max_distance, ("", "")
+        for pair in query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance):
+            if pair.distance < closest and pair.id_A not in ignored and pair.id_B not in ignored:
+                closest, names = pair.distance, (self._name[pair.id_A], self._name[pair.id_B])
+        return float(closest), names

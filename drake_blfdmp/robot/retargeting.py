@@ -1,0 +1,161 @@
+"""From the person's six points to the arms: palm poses, palm twists and swivel angles.
+
+The person's torso frame is moved and scaled about the shoulders' midpoint; the distance between the hands is not scaled, so
+that the box keeps its width. Arms in the order left, right. World frame W: x to the right, y forward, z up.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drake_blfdmp.robot.swivel import swivel_angle, swivel_rate, wrap
+
+LEFT = np.array([0, 1, 2])
+RIGHT = np.array([3, 4, 5])
+OUTWARD = np.array([1.0, -1.0])  # The sign of the swivel angle with which each arm's elbow swings away from the body.
+
+
+@dataclass(frozen=True)
+class Retarget:
+    """The map from the person to the arms.
+
+    Attributes:
+        scale: of every position relative to `person`, except the distance between the hands.
+        person: (3,) the point of the torso frame that is mapped to `world`: the shoulders' mean midpoint, m.
+        world: (3,) where it goes, m.
+        rolls: (2,) rotation of each palm about its normal, rad, constant; 0 has the palm's x axis up.
+        level: keep the line between the palms horizontal, so that the box does not roll with the hands.
+        elbow_up: mirror the elbows in the horizontal plane through shoulder and wrist: the robot's elbow swings out as
+            far from "straight up" as the person's from "straight down". An arm that stands on its base has no posture
+            with the elbow below that line (docs/redundancy.md measures it).
+        swing_out: up to the first angle (rad) the elbow swings out as far as the person's; beyond it less and less, never
+            to the second. swing_in: the same towards the other arm, where the robot's elbows would meet.
+        yaw: the same for the yaw of the line between the hands, either way.
+    """
+
+    scale: float
+    person: np.ndarray
+    world: np.ndarray
+    rolls: np.ndarray
+    level: bool = True
+    elbow_up: bool = True
+    swing_out: tuple[float, float] = (np.deg2rad(45.0), np.deg2rad(70.0))
+    swing_in: tuple[float, float] = (np.deg2rad(10.0), np.deg2rad(25.0))
+    yaw: tuple[float, float] = (np.deg2rad(30.0), np.deg2rad(45.0))
+
+    def point(self, x):
+        """A position (..., 3) of the torso frame in W."""
+        return self.world + self.scale * (x - self.person)
+
+
+def multiply(a, b):
+    """Quaternion product a b, (..., 4) in the order w x y z."""
+    aw, ax, ay, az = np.moveaxis(np.asarray(a), -1, 0)
+    bw, bx, by, bz = np.moveaxis(np.asarray(b), -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def palm_offsets(rolls) -> np.ndarray:
+    """The palms' orientations relative to the line frame (x from the left palm to the right one, z up): (2, 4).
+
+    The normal (palm z) of the left palm is +x, that of the right one -x.
+    """
+    half = np.sqrt(0.5)
+    # R_y(+-90 deg) takes z to +-x; the palm's x axis then points down or up.
+    turn = np.array([[half, 0.0, half, 0.0], [half, 0.0, -half, 0.0]])
+    offset = np.array([np.pi, 0.0])
+    a = 0.5 * (np.asarray(rolls, dtype=float) + offset)
+    spin = np.stack([np.cos(a), 0 * a, 0 * a, np.sin(a)], axis=-1)
+    return multiply(turn, spin)
+
+
+def softly_limited(angle, limits):
+    """An angle (...) as it is up to limits[0], then approaching limits[1]; and its derivative, which is continuous."""
+    start, end = limits
+    beyond = np.tanh(np.maximum(np.abs(angle) - start, 0.0) / (end - start))
+    return np.sign(angle) * (np.minimum(np.abs(angle), start) + (end - start) * beyond), 1.0 - beyond**2
+
+
+def hand_line(x, velocity, retarget: Retarget):
+    """The line between the hands in W.
+
+    Returns:
+        middle (..., 3), m; its velocity (..., 3); distance (...) and rate; yaw and pitch (...) of the line, left to right,
+        and their rates, rad and rad/s. Pitch is positive when the right hand is higher, 0 when levelled.
+    """
+    r, r_dot = x[..., 5, :] - x[..., 2, :], velocity[..., 5, :] - velocity[..., 2, :]
+    middle = retarget.point(0.5 * (x[..., 5, :] + x[..., 2, :]))
+    middle_velocity = 0.5 * retarget.scale * (velocity[..., 5, :] + velocity[..., 2, :])
+    distance = np.sqrt(np.sum(r * r, axis=-1))
+    rate = np.sum(r * r_dot, axis=-1) / distance
+    flat2 = r[..., 0] ** 2 + r[..., 1] ** 2
+    flat = np.sqrt(flat2)
+    yaw = np.arctan2(r[..., 1], r[..., 0])
+    yaw, slope = softly_limited(yaw, retarget.yaw)
+    yaw_rate = slope * (r[..., 0] * r_dot[..., 1] - r[..., 1] * r_dot[..., 0]) / flat2
+    if retarget.level:
+        return middle, middle_velocity, distance, rate, yaw, yaw_rate, 0.0 * yaw, 0.0 * yaw
+    pitch = np.arctan2(r[..., 2], flat)
+    flat_rate = (r[..., 0] * r_dot[..., 0] + r[..., 1] * r_dot[..., 1]) / flat
+    pitch_rate = (flat * r_dot[..., 2] - r[..., 2] * flat_rate) / distance**2
+    return middle, middle_velocity, distance, rate, yaw, yaw_rate, pitch, pitch_rate
+
+
+def line_frame(yaw, pitch):
+    """Quaternion (..., 4) of the line frame and its axes x, y (each (..., 3)): R_z(yaw) R_y(-pitch)."""
+    cy, sy, cp, sp = np.cos(0.5 * yaw), np.sin(0.5 * yaw), np.cos(0.5 * pitch), np.sin(0.5 * pitch)
+    q = np.stack([cy * cp, sy * sp, -cy * sp, sy * cp], axis=-1)
+    c, s, k = np.cos(yaw), np.sin(yaw), np.cos(pitch)
+    return q, np.stack([k * c, k * s, np.sin(pitch)], axis=-1), np.stack([-s, c, 0.0 * s], axis=-1)
+
+
+def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
+    """Palm poses, palm twists, swivel angles and their rates.
+
+    Args:
+        x, velocity: (..., 6, 3) in the torso frame, m, m/s.
+        offsets: `palm_offsets(retarget.rolls)` if at hand.
+
+    Returns:
+        X_WP (..., 2, 7): qw qx qy qz x y z; V_WP (..., 2, 6): angular, then translational velocity in W;
+        the swivel angles asked of the robot, psi (..., 2), rad, and psi' (..., 2), rad/s.
+    """
+    offsets = palm_offsets(retarget.rolls) if offsets is None else offsets
+    middle, middle_velocity, distance, rate, yaw, yaw_rate, pitch, pitch_rate = hand_line(x, velocity, retarget)
+    q, n, y_axis = line_frame(yaw, pitch)
+    omega = -pitch_rate[..., None] * y_axis
+    omega[..., 2] += yaw_rate
+    n_dot = np.cross(omega, n)
+    half = 0.5 * (distance[..., None] * n)
+    half_dot = 0.5 * (rate[..., None] * n + distance[..., None] * n_dot)
+    pose = np.empty((*x.shape[:-2], 2, 7))
+    twist = np.empty((*x.shape[:-2], 2, 6))
+    for arm, sign in ((0, -1.0), (1, 1.0)):
+        pose[..., arm, :4] = multiply(q, offsets[arm])
+        pose[..., arm, 4:] = middle + sign * half
+        twist[..., arm, :3] = omega
+        twist[..., arm, 3:] = middle_velocity + sign * half_dot
+    points = np.stack([x[..., LEFT, :], x[..., RIGHT, :]], axis=-3)
+    rates = np.stack([velocity[..., LEFT, :], velocity[..., RIGHT, :]], axis=-3)
+    s, e, w = (points[..., i, :] for i in range(3))
+    psi, psi_dot = swivel_angle(s, e, w), swivel_rate(s, e, w, *(rates[..., i, :] for i in range(3)))
+    outward = OUTWARD * psi
+    limits = np.where((outward > 0)[..., None], retarget.swing_out, retarget.swing_in)
+    swing, slope = softly_limited(psi, np.moveaxis(limits, -1, 0))
+    if retarget.elbow_up:
+        return pose, twist, wrap(np.pi - swing), -slope * psi_dot
+    return pose, twist, swing, slope * psi_dot
+
+
+def box_pose(x, retarget: Retarget):
+    """The pose the box has between the palms, (..., 7) as qw qx qy qz x y z: x axis along the line, left to right."""
+    middle, _, _, _, yaw, _, pitch, _ = hand_line(x, np.zeros_like(x), retarget)
+    return np.concatenate([line_frame(yaw, pitch)[0], middle], axis=-1)

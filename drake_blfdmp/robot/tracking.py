@@ -1,0 +1,69 @@
+"""The closed loop around the redundancy resolution: from where the palms should be to joint velocities of both arms."""
+
+import numpy as np
+
+from drake_blfdmp.robot.differential_ik import IkGains, resolve, velocity_bounds
+from drake_blfdmp.robot.kinematics import ArmState, DualArmKinematics
+from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits
+from drake_blfdmp.robot.swivel import wrap
+
+
+def rotation_matrix(q):
+    """Rotation matrix (3, 3) of a unit quaternion w x y z."""
+    w, x, y, z = q
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def pose_error(state: ArmState, pose) -> np.ndarray:
+    """The error (6,) from the arm's palm to a pose (qw qx qy qz x y z): a rotation vector (rad) in W, then metres.
+
+    The rotation vector is sin(angle) times the axis, which for the small errors of a closed loop is the angle itself
+    and beyond 90 degrees still turns the right way.
+    """
+    desired = rotation_matrix(pose[:4])
+    axes = np.cross(state.rotation.T, desired.T).sum(axis=0)
+    return np.concatenate([0.5 * axes, pose[4:] - state.position])
+
+
+class DualArmTracker:
+    """Joint velocities that move both palms to their poses and, as far as possible, the elbows to the swivel angles."""
+
+    def __init__(self, kinematics: DualArmKinematics, limits: JointLimits, gains: IkGains = IkGains()):
+        """Use joint limits (14,) and gains."""
+        self._kinematics, self._limits, self._gains = kinematics, limits, gains
+
+    def velocity(self, q, pose, twist, swivel, swivel_rate):
+        """Joint velocities at q.
+
+        Args:
+            q: (14,) rad.
+            pose: (2, 7) X_WP desired; twist: (2, 6) V_WP desired.
+            swivel, swivel_rate: (2,) desired, rad, rad/s.
+
+        Returns:
+            q' (14,), rad/s; the share (2,) of each palm's commanded twist that is met; the swivel angles (2,) now.
+        """
+        gains, limits = self._gains, self._limits
+        low, high = velocity_bounds(q, limits.lower, limits.upper, limits.velocity, gains)
+        q_dot, scale, now = np.empty(2 * JOINTS_PER_ARM), np.empty(2), np.empty(2)
+        for arm, state in enumerate(self._kinematics.evaluate(q)):
+            joints = slice(arm * JOINTS_PER_ARM, (arm + 1) * JOINTS_PER_ARM)
+            command = twist[arm] + gains.pose * pose_error(state, pose[arm])
+            rate = swivel_rate[arm] + gains.swivel * wrap(swivel[arm] - state.swivel)
+            q_dot[joints], scale[arm] = resolve(
+                state.jacobian,
+                command,
+                state.swivel_jacobian,
+                np.clip(rate, -gains.swivel_rate, gains.swivel_rate),
+                low[joints],
+                high[joints],
+                gains,
+            )
+            now[arm] = state.swivel
+        return q_dot, scale, now

@@ -1,0 +1,34 @@
+"""Lengths of the five links and their rates. Points are (..., 6, 3), m; links are (..., 5)."""
+
+import numpy as np
+
+from drake_blfdmp.skeleton import LINKS
+
+FIRST = np.array([link.a for link in LINKS])
+SECOND = np.array([link.b for link in LINKS])
+
+
+def link_vectors(x):
+    """r = x_b - x_a of every link: (..., 5, 3)."""
+    return x[..., SECOND, :] - x[..., FIRST, :]
+
+
+def link_lengths(x):
+    """rho = |r|: (..., 5)."""
+    r = link_vectors(x)
+    return np.sqrt(np.sum(r * r, axis=-1))
+
+
+def link_states(x, velocity):
+    """Lengths, rates, unit vectors and the centripetal part of the length's acceleration.
+
+    rho'' = n . r'' + (|r'|^2 - rho'^2) / rho
+
+    Returns:
+        rho (..., 5), rho' (..., 5), n (..., 5, 3), (|r'|^2 - rho'^2) / rho (..., 5).
+    """
+    r, r_dot = link_vectors(x), link_vectors(velocity)
+    rho = np.sqrt(np.sum(r * r, axis=-1))
+    n = r / rho[..., None]
+    rho_dot = np.sum(n * r_dot, axis=-1)
+    return rho, rho_dot, n, (np.sum(r_dot * r_dot, axis=-1) - rho_dot**2) / rho

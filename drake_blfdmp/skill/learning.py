@@ -1,0 +1,66 @@
+"""From a smooth demonstration to a `Skill`."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from drake_blfdmp.errors import SkillError
+from drake_blfdmp.skill.basis import centers_and_widths
+from drake_blfdmp.skill.canonical import DEFAULT_GAMMA, phase_at
+from drake_blfdmp.skill.regression import METHODS
+from drake_blfdmp.skill.skill import Skill
+from drake_blfdmp.skill.transformation import target_forcing
+
+
+def learn_skill(
+    t: np.ndarray,
+    x: np.ndarray,
+    *,
+    basis_functions: int = 50,
+    method: str = "ridge",
+    alpha_z: float | None = None,
+    gamma: float = DEFAULT_GAMMA,
+    events: Mapping[str, float] | None = None,
+    source: str = "",
+) -> Skill:
+    """Fit the forcing terms of all six points to a demonstration: (3) with the target (4).
+
+    Args:
+        t: (N,) increasing time from 0, s.
+        x: (N, 6, 3) smooth positions, m. Velocity and acceleration are those of the quintic spline through them, so
+            noise must be gone before: differentiation multiplies it by 1/dt^2.
+        method: "ridge" (all basis functions at once) or "lwr" (locally weighted regression, the paper's).
+        alpha_z: gain of (1); by default 10 tau, so that the spring's rate alpha_z / (2 tau) is 5 rad/s whatever the
+            duration. beta_z = alpha_z / 4: critically damped.
+
+    Raises:
+        SkillError: too few samples, or an unknown method.
+    """
+    if method not in METHODS:
+        raise SkillError(f"learning: unknown method '{method}'; there are {', '.join(METHODS)}")
+    t, x = np.asarray(t, dtype=float), np.asarray(x, dtype=float)
+    if len(t) < 8 or x.shape != (len(t), 6, 3):
+        raise SkillError(f"learning: needs at least 8 samples of 6 points, got {len(t)} samples of shape {x.shape}")
+    if not (np.all(np.diff(t) > 0) and np.all(np.isfinite(x))):
+        raise SkillError("learning: time must increase and every position be finite; clean the recording first")
+    tau = float(t[-1] - t[0])
+    alpha_z = 10.0 * tau if alpha_z is None else alpha_z
+    spline = make_interp_spline(t, x.reshape(len(t), 18), k=5)
+    goal = x[-1].reshape(18)
+    target = target_forcing(spline(t), spline(t, 1), spline(t, 2), goal, tau, alpha_z, alpha_z / 4)
+    centers, widths = centers_and_widths(basis_functions, gamma)
+    weights = METHODS[method](phase_at(t - t[0], tau, gamma), target, centers, widths)
+    return Skill(
+        weights=weights.reshape(basis_functions, 6, 3),
+        centers=centers,
+        widths=widths,
+        start=x[0].copy(),
+        goal=x[-1].copy(),
+        tau=tau,
+        alpha_z=alpha_z,
+        beta_z=alpha_z / 4,
+        gamma=gamma,
+        events=dict(events or {}),
+        source=source,
+    )

@@ -1,0 +1,106 @@
+"""The least change of all points' accelerations that gives every link the acceleration asked for.
+
+The five demands are linear in the 18 point accelerations. With W the mobility of each point, the weighted least change is
+
+    Delta = W G^T (G W G^T)^-1 need,   need = rho'' - (|r'|^2 - rho'^2) / rho - n^T (x_b'' - x_a'')
+
+It is the "common result" of (15)-(17), found for all links at once in place of the two rounds. The links form a chain,
+so G W G^T is tridiagonal, and as the incidence of a path has full row rank it is positive definite as long as no link
+has zero length and every mobility is positive. Arrays broadcast; float, AutoDiffXd or Expression entries.
+"""
+
+import numpy as np
+
+from drake_blfdmp.skeleton import HANDS, LINKS
+from drake_blfdmp.skill.geometry import link_states, link_vectors
+
+DEFAULT_MOBILITY = np.array([0.2, 0.5, 1.0, 0.2, 0.5, 1.0])
+"""Shoulders move least, hands most: the order of the measuring errors in the paper's Fig. 2."""
+
+
+def needs(x, velocity, nominal_acceleration, link_acceleration):
+    """What each link's n^T (Delta_b - Delta_a) must be (..., 5), m/s^2, and the unit vectors n (..., 5, 3)."""
+    _, _, n, centripetal = link_states(x, velocity)
+    own = np.sum(n * link_vectors(nominal_acceleration), axis=-1)
+    return link_acceleration - centripetal - own, n
+
+
+def solve_chain(n, need, mobility):
+    """(G W G^T)^-1 need by elimination along the chain (Thomas): (..., 5)."""
+    points = [LINKS[0].a] + [link.b for link in LINKS]
+    w = [mobility[..., p] for p in points]
+    count = len(LINKS)
+    diagonal = [w[i] + w[i + 1] for i in range(count)]
+    off = [-w[i + 1] * np.sum(n[..., i, :] * n[..., i + 1, :], axis=-1) for i in range(count - 1)]
+    pivot, right = [diagonal[0]], [need[..., 0]]
+    for i in range(1, count):
+        factor = off[i - 1] / pivot[-1]
+        pivot.append(diagonal[i] - factor * off[i - 1])
+        right.append(need[..., i] - factor * right[-1])
+    solution = [right[-1] / pivot[-1]]
+    for i in range(count - 2, -1, -1):
+        solution.append((right[i] - off[i] * solution[-1]) / pivot[i])
+    return np.stack(solution[::-1], axis=-1)
+
+
+def spread(n, tension, mobility):
+    """Delta = W G^T tension: (..., 6, 3)."""
+    pull = n * tension[..., None]
+    delta = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    for i, link in enumerate(LINKS):
+        delta[link.a] = delta[link.a] - pull[..., i, :]
+        delta[link.b] = delta[link.b] + pull[..., i, :]
+    return np.stack(delta, axis=-2) * mobility[..., None]
+
+
+def reshape(x, velocity, nominal_acceleration, link_acceleration, mobility=DEFAULT_MOBILITY):
+    """The coupling acceleration of all points that meets all five links' demands exactly.
+
+    Args:
+        x, velocity, nominal_acceleration: (..., 6, 3).
+        link_acceleration: (..., 5) demanded rho'', m/s^2.
+        mobility: (6,) positive.
+
+    Returns:
+        (..., 6, 3), m/s^2.
+    """
+    need, n = needs(x, velocity, nominal_acceleration, link_acceleration)
+    return spread(n, solve_chain(n, need, mobility), mobility)
+
+
+def reshape_limited(x, velocity, nominal_acceleration, link_acceleration, limit, mobility=DEFAULT_MOBILITY):
+    """`reshape` under a limit on every point's acceleration; the arm links come first (Remark 2).
+
+    The hands' demand is lowered, in a straight line from what is asked to what the arms do if the hands are left
+    alone, just so far that no point is asked for more than `limit`. Where the arms alone ask for more, they get it.
+
+    Args:
+        limit: m/s^2, on the norm of each point's acceleration.
+
+    Returns:
+        The coupling acceleration (..., 6, 3) and the hands' rho'' given up (...), m/s^2, zero where all is met.
+    """
+    need, n = needs(x, velocity, nominal_acceleration, link_acceleration)
+    full = spread(n, solve_chain(n, need, mobility), mobility)
+    unit = np.zeros(len(LINKS))
+    unit[HANDS] = 1.0
+    tension_unit = solve_chain(n, np.broadcast_to(unit, need.shape), mobility)
+    tension = solve_chain(n, need, mobility)
+    # No tension between the hands: the arms' least change when the hands are free.
+    shortfall = tension[..., HANDS] / tension_unit[..., HANDS]
+    direction = spread(n, tension_unit, mobility) * shortfall[..., None, None]
+    alone = full - direction
+    share = _largest_share(nominal_acceleration + alone, direction, limit)
+    return alone + share[..., None, None] * direction, (1.0 - share) * np.abs(shortfall)
+
+
+def _largest_share(base, direction, limit):
+    """The largest lambda in [0, 1] with |base + lambda direction| <= limit for every point: (...)."""
+    a = np.sum(direction * direction, axis=-1)
+    b = np.sum(base * direction, axis=-1)
+    c = np.sum(base * base, axis=-1) - limit**2
+    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = np.where(a > 0.0, (-b + root) / np.where(a > 0.0, a, 1.0), np.inf)
+    feasible = np.sum((base + direction) ** 2, axis=-1) <= limit**2
+    return np.clip(np.where(feasible, 1.0, np.where(c > 0.0, 0.0, reach)), 0.0, 1.0).min(axis=-1)

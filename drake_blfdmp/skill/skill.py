@@ -1,0 +1,126 @@
+"""`Skill`: everything a transformation system needs to move, learned once, changed and saved at will."""
+
+import json
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from drake_blfdmp.errors import SkillError
+from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.skill.basis import forcing
+from drake_blfdmp.skill.canonical import DEFAULT_GAMMA
+
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Skill:
+    """Movement primitives (1)-(2) of the six points, with one phase.
+
+    Attributes:
+        weights: (n, 6, 3) theta of every point and axis.
+        centers, widths: (n,) c_k and h_k of the basis.
+        start, goal: (6, 3) m, in the demonstration's frame.
+        tau: time scale, s; the phase reaches exp(-gamma) at t = tau.
+        gamma: decay of the phase.
+        alpha_z, beta_z: gains of (1).
+        events: named times, s, on the skill's clock (for example grasp and release); they scale with the duration.
+        source: what it was learned from.
+    """
+
+    weights: np.ndarray
+    centers: np.ndarray
+    widths: np.ndarray
+    start: np.ndarray
+    goal: np.ndarray
+    tau: float
+    alpha_z: float
+    beta_z: float
+    gamma: float = DEFAULT_GAMMA
+    events: dict[str, float] = field(default_factory=dict)
+    source: str = ""
+
+    def __post_init__(self):
+        n = len(self.centers)
+        shapes = {"weights": (n, 6, 3), "widths": (n,), "start": (6, 3), "goal": (6, 3)}
+        for name, shape in shapes.items():
+            value = np.asarray(getattr(self, name))
+            if value.shape != shape:
+                raise SkillError(f"skill: {name} has shape {value.shape}, expected {shape}")
+            if not np.all(np.isfinite(value)):
+                raise SkillError(f"skill: {name} holds a number that is not finite")
+        for name in ("tau", "gamma", "alpha_z", "beta_z"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                raise SkillError(f"skill: {name} must be a positive number, not {getattr(self, name)}")
+
+    def forcing(self, s):
+        """f(s) of all points: (..., 18) for a phase of shape (...)."""
+        return forcing(s, self.weights.reshape(len(self.centers), 18), self.centers, self.widths)
+
+    def with_duration(self, tau: float) -> "Skill":
+        """The same path in another time; events move along."""
+        ratio = tau / self.tau
+        return replace(self, tau=tau, events={k: t * ratio for k, t in self.events.items()})
+
+    def with_start(self, start) -> "Skill":
+        """The same skill from another start (6, 3), m."""
+        return replace(self, start=np.array(start, dtype=float))
+
+    def with_goal(self, goal) -> "Skill":
+        """The same skill to another goal (6, 3), m."""
+        return replace(self, goal=np.array(goal, dtype=float))
+
+    def save(self, path: Path) -> None:
+        """Write the skill as JSON; numbers survive a round trip to the last bit. An existing file is not touched."""
+        document = {
+            "format": "drake_blfdmp skill",
+            "version": VERSION,
+            "source": self.source,
+            "points": list(POINTS),
+            "tau_s": self.tau,
+            "gamma": self.gamma,
+            "alpha_z": self.alpha_z,
+            "beta_z": self.beta_z,
+            "events_s": self.events,
+            "start_m": self.start.tolist(),
+            "goal_m": self.goal.tolist(),
+            "centers": self.centers.tolist(),
+            "widths": self.widths.tolist(),
+            "weights": self.weights.tolist(),
+        }
+        with Path(path).open("x", encoding="utf-8") as file:
+            json.dump(document, file, indent=1)
+            file.write("\n")
+
+    @staticmethod
+    def load(path: Path) -> "Skill":
+        """Read what `save` wrote.
+
+        Raises:
+            SkillError: not a skill, another version, or a field missing.
+        """
+        try:
+            document = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+            raise SkillError(f"{path}: cannot be read as a skill ({error})") from error
+        if not isinstance(document, dict) or document.get("format") != "drake_blfdmp skill":
+            raise SkillError(f"{path}: is not a skill file")
+        if document.get("version") != VERSION:
+            raise SkillError(f"{path}: has version {document.get('version')}, this program reads {VERSION}")
+        try:
+            return Skill(
+                weights=np.array(document["weights"], dtype=float),
+                centers=np.array(document["centers"], dtype=float),
+                widths=np.array(document["widths"], dtype=float),
+                start=np.array(document["start_m"], dtype=float),
+                goal=np.array(document["goal_m"], dtype=float),
+                tau=float(document["tau_s"]),
+                alpha_z=float(document["alpha_z"]),
+                beta_z=float(document["beta_z"]),
+                gamma=float(document["gamma"]),
+                events=dict(document["events_s"]),
+                source=str(document["source"]),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise SkillError(f"{path}: the skill is incomplete or damaged ({error})") from error

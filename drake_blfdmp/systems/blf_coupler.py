@@ -1,0 +1,89 @@
+"""The barrier Lyapunov coupler: which acceleration every link's length must have to stay inside its band."""
+
+import numpy as np
+from pydrake.systems.framework import LeafSystem_
+from pydrake.systems.scalar_conversion import TemplateSystem
+
+from drake_blfdmp.skeleton import HANDS
+from drake_blfdmp.skill.barrier import barrier_function, error_acceleration, length_acceleration, normalised_error
+from drake_blfdmp.skill.geometry import link_states
+from drake_blfdmp.skill.sampled import Gains
+
+
+@TemplateSystem.define("BlfCoupler_")
+def BlfCoupler_(T):
+    """Define the system for scalar type T."""
+
+    class Impl(LeafSystem_[T]):
+        r"""The default law on all five links (`skill.barrier`).
+
+        .. pydrake_system::
+
+            name: BlfCoupler
+            input_ports:
+            - position
+            - velocity
+            - bands
+            - measured_distance (optional)
+            output_ports:
+            - link_acceleration
+            - barrier
+            - margin
+
+        No state. `position`, `velocity` (18); `bands` (30) as from DistanceBands. `measured_distance` (2), the hands'
+        real distance (m) and its rate (m/s), replaces the planned one when connected. `link_acceleration` (5) is the
+        demanded rho'' (m/s^2), `barrier` (5) is V, `margin` (5) is 1 - |xi|, negative outside the band.
+        Template parameters: float, AutoDiffXd, Expression.
+        """
+
+        def _construct(self, *, gains: Gains = Gains(), time_step=0.0, converter=None):
+            """Build the system.
+
+            Args:
+                gains: k_1, k_2.
+                time_step: of the system that integrates the result, s.
+
+            Raises:
+                ScenarioError: the gains are not safe at this time step.
+            """
+            LeafSystem_[T].__init__(self, converter=converter)
+            gains.check(time_step)
+            self._parameters = {"gains": gains, "time_step": time_step}
+            self._gains = gains
+            self._position = self.DeclareVectorInputPort("position", 18)
+            self._velocity = self.DeclareVectorInputPort("velocity", 18)
+            self._bands = self.DeclareVectorInputPort("bands", 30)
+            self._measured = self.DeclareVectorInputPort("measured_distance", 2)
+            self._error = self.DeclareVectorOutputPort("link_acceleration", 5, self._calc_link_acceleration)
+            self.DeclareVectorOutputPort("barrier", 5, self._calc_barrier)
+            self.DeclareVectorOutputPort("margin", 5, self._calc_margin)
+
+        def _construct_copy(self, other, converter=None):
+            Impl._construct(self, **other._parameters, converter=converter)
+
+        def _errors(self, context):
+            bands = self._bands.Eval(context).reshape(6, 5)
+            rho, rho_dot, _, _ = link_states(
+                self._position.Eval(context).reshape(6, 3), self._velocity.Eval(context).reshape(6, 3)
+            )
+            if self._measured.HasValue(context):
+                rho[HANDS], rho_dot[HANDS] = self._measured.Eval(context)
+            return *normalised_error(rho, rho_dot, bands), bands
+
+        def _calc_link_acceleration(self, context, output):
+            xi, xi_dot, bands = self._errors(context)
+            xi_ddot = error_acceleration(xi, xi_dot, self._gains.k_1, self._gains.k_2)
+            output.SetFromVector(length_acceleration(xi, xi_dot, xi_ddot, bands))
+
+        def _calc_barrier(self, context, output):
+            xi, xi_dot, _ = self._errors(context)
+            output.SetFromVector(barrier_function(xi, xi_dot, self._gains.k_1))
+
+        def _calc_margin(self, context, output):
+            xi, _, _ = self._errors(context)
+            output.SetFromVector(1.0 - np.abs(xi))
+
+    return Impl
+
+
+BlfCoupler = BlfCoupler_[None]

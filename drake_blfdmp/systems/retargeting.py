@@ -1,0 +1,47 @@
+"""Retargeting of the person's six points to both arms as a Drake system."""
+
+from pydrake.systems.framework import LeafSystem
+
+from drake_blfdmp.robot.retargeting import Retarget, palm_offsets, retarget_motion
+
+
+class Retargeting(LeafSystem):
+    """Palm poses, twists and swivel angles from the skill's six points (`robot.retargeting`).
+
+    .. pydrake_system::
+
+        name: Retargeting
+        input_ports:
+        - position
+        - velocity
+        output_ports:
+        - palm_poses
+        - palm_twists
+        - swivel
+        - swivel_rate
+
+    No state. `position`, `velocity` (18) in the torso frame. `palm_poses` (14): left, then right X_WP as qw qx qy qz
+    x y z. `palm_twists` (12): angular (rad/s), then translational velocity (m/s) of each palm in W. `swivel` (2), rad, and
+    `swivel_rate` (2), rad/s, of the person's arms.
+    """
+
+    def __init__(self, *, retarget: Retarget):
+        super().__init__()
+        self._retarget = retarget
+        self._offsets = palm_offsets(retarget.rolls)
+        self._position = self.DeclareVectorInputPort("position", 18)
+        self._velocity = self.DeclareVectorInputPort("velocity", 18)
+        for index, (name, size) in enumerate(
+            (("palm_poses", 14), ("palm_twists", 12), ("swivel", 2), ("swivel_rate", 2))
+        ):
+            self.DeclareVectorOutputPort(name, size, lambda context, output, i=index: self._calc(context, output, i))
+        # All four outputs are views of one computation; the last is kept for the other three.
+        self._key, self._result = None, None
+
+    def _calc(self, context, output, index):
+        x, velocity = self._position.Eval(context), self._velocity.Eval(context)
+        key = (x.tobytes(), velocity.tobytes())
+        if key != self._key:
+            self._result = retarget_motion(x.reshape(6, 3), velocity.reshape(6, 3), self._retarget, self._offsets)
+            self._key = key
+        output.SetFromVector(self._result[index].reshape(-1))

@@ -1,0 +1,92 @@
+"""Differential inverse kinematics of both arms with the swivel angle in the null space; (18), (19)."""
+
+import numpy as np
+from pydrake.systems.framework import LeafSystem
+
+from drake_blfdmp.robot.differential_ik import IkGains
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import JointLimits
+from drake_blfdmp.robot.tracking import DualArmTracker
+
+
+class SwivelDifferentialIk(LeafSystem):
+    """Joint positions and velocities that follow palm poses and, beneath them, swivel angles (`robot.tracking`).
+
+    .. pydrake_system::
+
+        name: SwivelDifferentialIk
+        input_ports:
+        - palm_poses
+        - palm_twists
+        - swivel
+        - swivel_rate
+        - measured_position (optional)
+        output_ports:
+        - position
+        - velocity
+        - desired_state_left
+        - desired_state_right
+        - task_scale
+        - swivel_now
+
+    Discrete state: q (14), v (14), task_scale (2), swivel (2). The inputs are those of Retargeting.
+    `measured_position` (14), where connected, is where the kinematics are evaluated; the command still integrates
+    from the commanded q. `desired_state_left/right` (14) are q, v of one arm, for the plant's PD.
+    `task_scale` (2) is the share of each palm's commanded twist that the joint limits let through.
+    """
+
+    def __init__(
+        self,
+        *,
+        kinematics: DualArmKinematics,
+        limits: JointLimits,
+        initial_position: np.ndarray,
+        time_step: float,
+        gains: IkGains = IkGains(),
+    ):
+        """Build the system.
+
+        Args:
+            initial_position: (14,) rad.
+            time_step: period of the discrete update, s, positive.
+        """
+        super().__init__()
+        self._tracker = DualArmTracker(kinematics, limits, gains)
+        self._time_step = time_step
+        self._inputs = [
+            self.DeclareVectorInputPort(name, size)
+            for name, size in (("palm_poses", 14), ("palm_twists", 12), ("swivel", 2), ("swivel_rate", 2))
+        ]
+        self._measured = self.DeclareVectorInputPort("measured_position", 14)
+        q = self.DeclareDiscreteState(np.asarray(initial_position, dtype=float))
+        v = self.DeclareDiscreteState(np.zeros(14))
+        scale = self.DeclareDiscreteState(np.ones(2))
+        swivel = self.DeclareDiscreteState(
+            np.array([state.swivel for state in kinematics.evaluate(np.asarray(initial_position, dtype=float))])
+        )
+        self.DeclareStateOutputPort("position", q)
+        self.DeclareStateOutputPort("velocity", v)
+        for arm, name in enumerate(("left", "right")):
+            self.DeclareVectorOutputPort(
+                f"desired_state_{name}",
+                14,
+                lambda context, output, first=7 * arm: self._calc_desired_state(context, output, first),
+                {self.xd_ticket()},
+            )
+        self.DeclareStateOutputPort("task_scale", scale)
+        self.DeclareStateOutputPort("swivel_now", swivel)
+        self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._update)
+
+    def _calc_desired_state(self, context, output, first):
+        q, v = (context.get_discrete_state(i).value()[first : first + 7] for i in range(2))
+        output.SetFromVector(np.concatenate([q, v]))
+
+    def _update(self, context, discrete_state):
+        pose, twist, swivel, swivel_rate = (port.Eval(context) for port in self._inputs)
+        q = context.get_discrete_state(0).CopyToVector()
+        where = self._measured.Eval(context) if self._measured.HasValue(context) else q
+        q_dot, scale, now = self._tracker.velocity(
+            where, pose.reshape(2, 7), twist.reshape(2, 6), swivel, swivel_rate
+        )
+        for index, value in enumerate((q + self._time_step * q_dot, q_dot, scale, now)):
+            discrete_state.get_mutable_vector(index).SetFromVector(value)

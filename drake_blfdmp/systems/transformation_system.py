@@ -1,0 +1,121 @@
+"""The transformation system (1), (6) of all six points as a Drake system."""
+
+import numpy as np
+from pydrake.systems.framework import BasicVector_, LeafSystem_
+from pydrake.systems.scalar_conversion import TemplateSystem
+
+from drake_blfdmp.skill.skill import Skill
+from drake_blfdmp.skill.transformation import nominal_acceleration, step, step_matrices
+
+
+@TemplateSystem.define("TransformationSystem_")
+def TransformationSystem_(T):
+    """Define the system for scalar type T."""
+
+    class Impl(LeafSystem_[T]):
+        r"""Springs and dampers that pull the six points to their goals, pushed by forcing and coupling; (1), (6).
+
+        .. pydrake_system::
+
+            name: TransformationSystem
+            input_ports:
+            - forcing
+            - goal
+            - coupling_acceleration (optional)
+            output_ports:
+            - position
+            - velocity
+            - nominal_acceleration
+
+        Every port has 18 elements, point by point as in `skeleton.POINTS`, x y z each, in m, m/s and m/s^2. The state
+        is (position, velocity), velocity being x' = v / tau. `nominal_acceleration` is x'' without the coupling; it
+        does not depend on the coupling input, so a coupling computed from the outputs closes no algebraic loop.
+        Template parameters: float, AutoDiffXd, Expression.
+        """
+
+        def _construct(self, *, skill: Skill, time_step=0.0, converter=None):
+            """Build the system; it starts at rest at the skill's start.
+
+            Args:
+                skill: gains, time scale and start.
+                time_step: 0 for a continuous state, otherwise the period of the discrete one, s; the discrete update
+                    is the exact solution for inputs held over the step.
+            """
+            LeafSystem_[T].__init__(self, converter=converter)
+            self._parameters = {"skill": skill, "time_step": time_step}
+            self._tau, self._gains, self._time_step = skill.tau, (skill.alpha_z, skill.beta_z), time_step
+            self._forcing = self.DeclareVectorInputPort("forcing", 18)
+            self._goal = self.DeclareVectorInputPort("goal", 18)
+            self._coupling = self.DeclareVectorInputPort("coupling_acceleration", 18)
+            start = skill.start.reshape(18)
+            if time_step > 0:
+                self._matrices = step_matrices(time_step, skill.tau, skill.alpha_z, skill.beta_z)
+                x = self.DeclareDiscreteState(start)
+                v = self.DeclareDiscreteState(np.zeros(18))
+                self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._update)
+                self._position = self.DeclareStateOutputPort("position", x)
+                self._velocity = self.DeclareStateOutputPort("velocity", v)
+            else:
+                state = [T(value) for value in (*start, *np.zeros(18))]
+                self.DeclareContinuousState(BasicVector_[T](state), 18, 18, 0)
+                ticket = {self.all_state_ticket()}
+                self._position = self.DeclareVectorOutputPort("position", 18, self._calc_position, ticket)
+                self._velocity = self.DeclareVectorOutputPort("velocity", 18, self._calc_velocity, ticket)
+            self._nominal = self.DeclareVectorOutputPort(
+                "nominal_acceleration",
+                18,
+                self._calc_nominal_acceleration,
+                {self.all_state_ticket(), self._forcing.ticket(), self._goal.ticket()},
+            )
+
+        def _construct_copy(self, other, converter=None):
+            Impl._construct(self, **other._parameters, converter=converter)
+
+        def _state(self, context):
+            if self._time_step > 0:
+                return tuple(context.get_discrete_state(i).CopyToVector() for i in range(2))
+            state = context.get_continuous_state_vector().CopyToVector()
+            return state[:18], state[18:]
+
+        def _coupling_or_zero(self, context):
+            return self._coupling.Eval(context) if self._coupling.HasValue(context) else 0.0
+
+        def _calc_position(self, context, output):
+            output.SetFromVector(self._state(context)[0])
+
+        def _calc_velocity(self, context, output):
+            output.SetFromVector(self._state(context)[1])
+
+        def _nominal_acceleration(self, context, x, velocity):
+            return nominal_acceleration(
+                x, self._tau * velocity, self._forcing.Eval(context), self._goal.Eval(context), self._tau, *self._gains
+            )
+
+        def _calc_nominal_acceleration(self, context, output):
+            output.SetFromVector(self._nominal_acceleration(context, *self._state(context)))
+
+        def _update(self, context, discrete_state):
+            x, velocity = self._state(context)
+            x, v = step(
+                x,
+                self._tau * velocity,
+                self._forcing.Eval(context),
+                self._goal.Eval(context),
+                self._coupling_or_zero(context),
+                self._tau,
+                self._matrices,
+            )
+            discrete_state.get_mutable_vector(0).SetFromVector(x)
+            discrete_state.get_mutable_vector(1).SetFromVector(v / self._tau)
+
+        def DoCalcTimeDerivatives(self, context, derivatives):
+            if self._time_step > 0:
+                return
+            x, velocity = self._state(context)
+            acceleration = self._nominal_acceleration(context, x, velocity) + self._coupling_or_zero(context)
+            derivatives.get_mutable_vector().SetFromVector(np.concatenate([velocity, acceleration]))
+
+    return Impl
+
+
+TransformationSystem = TransformationSystem_[None]

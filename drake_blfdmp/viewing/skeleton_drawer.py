@@ -1,0 +1,183 @@
+"""The person's skeleton in Meshcat, as a ghost beside or over the robots, coloured by how far each link is in its band.
+
+A Meshcat recording keeps transforms and properties but neither new objects nor colours. So everything is made up front:
+each link as three rods of unit length, one a colour, of which one is visible; a rod's length is its animated `scale`.
+"""
+
+# pyright: reportArgumentType=false, reportCallIssue=false
+# (Drake's own type stubs state array types that no array has.)
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem, OutputPort
+
+from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.skeleton import LINKS, POINTS
+
+INSIDE, NEAR, OUTSIDE = "inside", "near", "outside"
+_COLOURS = {INSIDE: "#009E73", NEAR: "#E69F00", OUTSIDE: "#D00000"}
+LEGEND: Mapping[str, str] = {
+    "link inside its band": _COLOURS[INSIDE],
+    "link near its band's edge": _COLOURS[NEAR],
+    "link outside its band": _COLOURS[OUTSIDE],
+}
+"""Text -> CSS colour, for `meshcat_scene.write_scene_html`."""
+
+_BODY = "#5A6470"
+_LEFT_SHOULDER, _RIGHT_SHOULDER = POINTS.index("left_shoulder"), POINTS.index("right_shoulder")
+_SHORTEST = 1e-6  # A rod of length zero has no direction and a singular matrix, m.
+
+
+def classify(margin: ArrayLike, near: float) -> list[str]:
+    """State of each link: OUTSIDE where `margin` is negative or NaN, NEAR below `near` (same unit), else INSIDE."""
+    states = (
+        OUTSIDE if not value >= 0.0 else NEAR if value < near else INSIDE for value in np.asarray(margin, dtype=float)
+    )
+    return list(states)
+
+
+def rod_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, float]:
+    """Pose X_WR and length (m) of a rod along its own z axis whose ends are `start` and `end` (3,), m, in W."""
+    along = end - start
+    length = float(np.linalg.norm(along))
+    if length < _SHORTEST:
+        return RigidTransform((start + end) / 2), _SHORTEST
+    return RigidTransform(RotationMatrix.MakeFromOneVector(along, 2), (start + end) / 2), length
+
+
+def _rgba(colour: str, alpha: float) -> Rgba:
+    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    return Rgba(red, green, blue, alpha)
+
+
+class SkeletonGhost:
+    """Six points, five links, the shoulders' line and a head, under one path of a Meshcat scene."""
+
+    def __init__(
+        self,
+        meshcat: Meshcat,
+        *,
+        path: str = "/skeleton",
+        radius: float = 0.014,
+        opacity: float = 0.65,
+        near_margin: float = 0.2,
+    ):
+        """Makes all objects; call it before `meshcat.StartRecording`.
+
+        Args:
+            meshcat: the scene.
+            path: where in the scene's tree.
+            radius: of the links' rods, m.
+            opacity: 0 to 1.
+            near_margin: margins below this are drawn as near; in the unit of the margins.
+
+        Raises:
+            BlfDmpError: a number is out of range.
+        """
+        if not (radius > 0 and 0 < opacity <= 1 and near_margin >= 0):
+            raise BlfDmpError(
+                f"skeleton {path}: radius {radius}, opacity {opacity}, near_margin {near_margin} must be "
+                "above 0, in (0, 1] and not negative; change the one that is not"
+            )
+        self._meshcat, self._path, self._near = meshcat, path.rstrip("/"), near_margin
+        for name in POINTS:
+            meshcat.SetObject(f"{self._path}/{name}", Sphere(1.5 * radius), _rgba(_BODY, opacity))
+        for link in LINKS:
+            for state, colour in _COLOURS.items():
+                rod = f"{self._path}/{link.name}/{state}"
+                meshcat.SetObject(rod, Cylinder(radius, 1.0), _rgba(colour, opacity))
+                meshcat.SetProperty(rod, "visible", False)
+        meshcat.SetObject(f"{self._path}/shoulders/rod", Cylinder(radius, 1.0), _rgba(_BODY, 0.6 * opacity))
+        meshcat.SetObject(f"{self._path}/head", Sphere(0.09), _rgba(_BODY, 0.6 * opacity))
+
+    def draw(self, points: ArrayLike, margin: ArrayLike, time: float | None = None) -> None:
+        """Moves the skeleton; does nothing when a point is not finite, as then it was not seen.
+
+        Args:
+            points: (6, 3) or (18,) in the order of `skeleton.POINTS`, m, in the world frame.
+            margin: (5,) in the order of `skeleton.LINKS`, how far each link is inside its band: positive inside, 0 at
+                an edge, negative outside.
+            time: s; with it, what is drawn enters a running recording.
+        """
+        points = np.asarray(points, dtype=float).reshape(len(POINTS), 3)
+        if not np.isfinite(points).all():
+            return
+        for name, point in zip(POINTS, points, strict=True):
+            self._meshcat.SetTransform(f"{self._path}/{name}", RigidTransform(point), time)
+        for link, drawn in zip(LINKS, classify(margin, self._near), strict=True):
+            rods = [f"{self._path}/{link.name}/{state}" for state in _COLOURS]
+            self._draw_rod(f"{self._path}/{link.name}", rods, points[link.a], points[link.b], time)
+            for state, rod in zip(_COLOURS, rods, strict=True):
+                self._meshcat.SetProperty(rod, "visible", state == drawn, time)
+        left, right = points[_LEFT_SHOULDER], points[_RIGHT_SHOULDER]
+        shoulders = f"{self._path}/shoulders"
+        self._draw_rod(shoulders, [f"{shoulders}/rod"], left, right, time)
+        head = RigidTransform((left + right) / 2 + [0.0, 0.0, 0.2])
+        self._meshcat.SetTransform(f"{self._path}/head", head, time)
+
+    def set_visible(self, visible: bool) -> None:
+        """Shows or hides the whole skeleton at once, outside any recording."""
+        self._meshcat.SetProperty(self._path, "visible", visible)
+
+    def _draw_rod(self, path: str, rods: list[str], start: np.ndarray, end: np.ndarray, time: float | None) -> None:
+        # The pose belongs to the group and the scale to the rods inside, for the two do not commute.
+        pose, length = rod_pose(start, end)
+        self._meshcat.SetTransform(path, pose, time)
+        for rod in rods:
+            self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, length], time)
+
+
+class SkeletonDrawer(LeafSystem):
+    """Draws a skeleton in Meshcat at a fixed rate.
+
+    .. pydrake_system::
+
+        name: SkeletonDrawer
+        input_ports:
+        - points
+        - margin
+
+    `points` (18) is in the order of `skeleton.POINTS`, m, in the world frame. `margin` (5) says how far each link is
+    inside its band (positive inside, negative outside); left unconnected, all links are drawn as inside.
+    """
+
+    def __init__(self, ghost: SkeletonGhost, *, publish_period: float = 1 / 32):
+        """Draws `ghost` every `publish_period` seconds, and at every forced publish.
+
+        Raises:
+            BlfDmpError: the period is not above 0.
+        """
+        super().__init__()
+        if not publish_period > 0:
+            raise BlfDmpError(f"SkeletonDrawer: publish_period {publish_period} s must be above 0; use 1/32, say")
+        self._ghost = ghost
+        self._points_input = self.DeclareVectorInputPort("points", 3 * len(POINTS))
+        self._margin_input = self.DeclareVectorInputPort("margin", len(LINKS))
+        self.DeclarePeriodicPublishEvent(period_sec=publish_period, offset_sec=0.0, publish=self._draw)
+        self.DeclareForcedPublishEvent(self._draw)
+
+    @staticmethod
+    def AddToBuilder(
+        builder: DiagramBuilder,
+        points_port: OutputPort,
+        ghost: SkeletonGhost,
+        *,
+        margin_port: OutputPort | None = None,
+        publish_period: float = 1 / 32,
+    ) -> "SkeletonDrawer":
+        """Adds a drawer of `ghost`, connects it to points (18) and margins (5), and returns it."""
+        system = SkeletonDrawer(ghost, publish_period=publish_period)
+        builder.AddSystem(system)
+        builder.Connect(points_port, system.GetInputPort("points"))
+        if margin_port is not None:
+            builder.Connect(margin_port, system.GetInputPort("margin"))
+        return system
+
+    def _draw(self, context: Context) -> None:
+        unconnected = not self._margin_input.HasValue(context)
+        margin = np.full(len(LINKS), np.inf) if unconnected else self._margin_input.Eval(context)
+        self._ghost.draw(self._points_input.Eval(context), margin, context.get_time())

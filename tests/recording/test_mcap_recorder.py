@@ -1,0 +1,342 @@
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+import recorded_run as run
+from mcap.reader import make_reader
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.multibody.tree import SpatialInertia
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import LogVectorOutput
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
+from drake_blfdmp.recording.mcap_recorder import McapRecorder
+from drake_blfdmp.recording.read import read_mcap
+
+TIMES = np.arange(0, 1_000_000_001, 10_000_000)  # ns
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "run.mcap"
+
+
+def decode(path):
+    """(topic -> [(time, message)], topic -> quality of service) by rosbags, with the file's own definitions."""
+    store = get_typestore(Stores.EMPTY)
+    messages, qos = {}, {}
+    with Reader(path) as reader:
+        for connection in reader.connections:
+            store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
+            qos[connection.topic] = connection.ext.offered_qos_profiles[0]
+            messages[connection.topic] = []
+        for connection, time, data in reader.messages():
+            messages[connection.topic].append((time, store.deserialize_cdr(data, connection.msgtype)))
+    return messages, qos
+
+
+def ns(stamp):
+    return stamp.sec * 10**9 + stamp.nanosec
+
+
+def test_an_independent_reader_sees_what_went_in(path):
+    run.record(path)
+    messages, qos = decode(path)
+    for topic in ("/joint_states", "/tf", "/palm", "/margin"):
+        assert np.array_equal([time for time, _ in messages[topic]], TIMES), topic
+        assert qos[topic].durability.name == "VOLATILE"
+    for topic in ("/robot_description", "/tf_static"):
+        assert [time for time, _ in messages[topic]] == [0]
+        assert qos[topic].durability.name == "TRANSIENT_LOCAL"
+    assert messages["/robot_description"][0][1].data == run.URDF
+
+    for time, message in messages["/joint_states"]:
+        left, right = run.signal(time * 1e-9, "left_state"), run.signal(time * 1e-9, "right_state")
+        assert ns(message.header.stamp) == time
+        assert message.name == ["left_a", "left_b", "right_a"]
+        np.testing.assert_array_equal(message.position, [*left[:2], *right[:1]])
+        np.testing.assert_array_equal(message.velocity, [*left[2:], *right[1:]])
+        np.testing.assert_array_equal(
+            message.effort, [*run.signal(time * 1e-9, "left_effort"), *run.signal(time * 1e-9, "right_effort")]
+        )
+    for topic, bodies in (("/tf", run.BODIES), ("/tf_static", run.STATIC)):
+        for time, message in messages[topic]:
+            poses = run.poses_at(time * 1e-9)
+            assert [transform.child_frame_id for transform in message.transforms] == list(bodies)
+            for transform, index in zip(message.transforms, bodies.values(), strict=True):
+                assert (ns(transform.header.stamp), transform.header.frame_id) == (time, "world")
+                p, q = transform.transform.translation, transform.transform.rotation
+                wxyz = poses[index].rotation().ToQuaternion().wxyz()
+                np.testing.assert_allclose([p.x, p.y, p.z], poses[index].translation(), rtol=1e-7, atol=1e-7)
+                np.testing.assert_allclose([q.w, q.x, q.y, q.z], wxyz, atol=1e-7)
+    for time, message in messages["/palm"]:
+        torque_force = run.signal(time * 1e-9, "palm")
+        f, tau = message.wrench.force, message.wrench.torque
+        np.testing.assert_array_equal([tau.x, tau.y, tau.z, f.x, f.y, f.z], torque_force)
+        assert message.header.frame_id == "world"
+    for time, message in messages["/margin"]:
+        # An element with a joint's name would move that joint in a viewer.
+        assert message.name == ["hands", "margin.left_a"]
+        np.testing.assert_array_equal(message.position, run.signal(time * 1e-9, "margin"))
+        assert len(message.velocity) == len(message.effort) == 0
+    [(time, event)] = messages["/events"]
+    assert (time, ns(event.stamp), event.msg, event.level) == (500_000_000, 500_000_000, "grasp", 20)
+
+
+def test_index_metadata_and_attachment(path):
+    run.record(path)
+    with path.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        header, summary = reader.get_header(), reader.get_summary()
+        assert header.profile == "ros2"
+        assert "drake_blfdmp" in header.library
+        assert summary is not None and summary.statistics is not None
+        assert summary.statistics.message_count == 4 * len(TIMES) + 3
+        assert {chunk.compression for chunk in summary.chunk_indexes} == {"zstd"}
+        # 0.25 s of simulated time each, whatever the wall clock said, and the event in the last.
+        assert [chunk.message_end_time for chunk in summary.chunk_indexes] == [
+            240_000_000,
+            490_000_000,
+            740_000_000,
+            990_000_000,
+            1_000_000_000,
+        ]
+        assert all(message.publish_time == message.log_time for _, _, message in reader.iter_messages())
+        [metadata] = reader.iter_metadata()
+        assert (metadata.name, metadata.metadata) == ("run", {"seed": "7", "synthetic": "True"})
+        [attachment] = reader.iter_attachments()
+        assert (attachment.name, attachment.data, attachment.media_type, attachment.create_time) == (
+            "scenario.yaml",
+            b"seed: 7\n",
+            "application/yaml",
+            0,
+        )
+        assert attachment.log_time == 1_000_000_000
+        units = {channel.topic: channel.metadata.get("unit") for channel in summary.channels.values()}
+        assert units["/margin"] == "m"
+
+
+def test_same_run_same_bytes(tmp_path):
+    for name in ("one", "two"):
+        run.record(tmp_path / name)
+    run.record(tmp_path / "other", metadata={"seed": 8})
+    one, two, other = ((tmp_path / name).read_bytes() for name in ("one", "two", "other"))
+    assert one == two
+    assert one != other
+
+
+def test_without_all_efforts_none_is_recorded(path):
+    run.record(path, leave_out=("right_effort",))
+    messages, _ = decode(path)
+    assert all(len(message.effort) == 0 and len(message.velocity) == 3 for _, message in messages["/joint_states"])
+    assert len(messages["/joint_states"]) == len(TIMES)
+
+
+@pytest.mark.parametrize("port", ["left_state", "body_poses", "palm", "margin"])
+def test_unconnected_port_is_named(path, port):
+    with pytest.raises(RecorderError, match=f"'{port}' is not connected"):
+        run.record(path, leave_out=(port,))
+
+
+def test_an_exception_in_the_run_leaves_a_complete_file(path):
+    diagram, recorder = run.make_run(path, fail_at=0.305)
+    with pytest.raises(ZeroDivisionError, match="controller broke"), recorder:
+        Simulator(diagram).AdvanceTo(1.0)
+    recording = read_mcap(path)
+    assert recording.damage == ""
+    assert recording.series["/margin"].t[-1] == pytest.approx(0.30)
+
+
+def test_close_again_and_what_comes_after(path):
+    diagram, recorder = run.make_run(path)
+    simulator = Simulator(diagram)
+    simulator.AdvanceTo(0.1)
+    recorder.Close()
+    size = path.stat().st_size
+    recorder.Close()
+    simulator.AdvanceTo(0.2)
+    recorder.Event("late", 0.2)
+    assert path.stat().st_size == size
+    with pytest.raises(RecorderError, match=r"after Close\(\)"):
+        recorder.AddAttachment("late", b"")
+    assert read_mcap(path).series["/margin"].t[-1] < 0.105
+
+
+def test_a_file_is_never_overwritten(path):
+    path.write_text("precious")
+    with pytest.raises(RecorderError, match=r"run\.mcap: already exists"):
+        McapRecorder(filename=path)
+    assert path.read_text() == "precious"
+
+
+@pytest.mark.parametrize("folder", ["missing", "file", "read_only"])
+def test_a_folder_that_cannot_be_written(tmp_path, folder):
+    if folder == "file":
+        (tmp_path / folder).write_text("")
+    elif folder == "read_only":
+        if os.geteuid() == 0:
+            pytest.skip("root writes everywhere")
+        (tmp_path / folder).mkdir(mode=0o500)
+    with pytest.raises(RecorderError, match=r"run\.mcap: cannot be created \(.+\); give") as caught:
+        McapRecorder(filename=tmp_path / folder / "run.mcap")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_one_line(path, monkeypatch):
+    real_open = Path.open
+    monkeypatch.setattr(Path, "open", lambda self, mode: real_open(Path("/dev/full"), "wb"))
+    file = McapFile(path)
+    channel = file.add_channel("/text", "std_msgs/msg/String")
+    file.write(channel, 0, b"")
+    with pytest.raises(RecorderError, match=r"run\.mcap: writing failed \(No space left"):
+        file.write(channel, 10**9, b"")
+    with pytest.raises(RecorderError, match="No space left"):
+        file.close()
+    file.close()
+
+
+def test_time_that_runs_back_is_refused(path):
+    diagram, recorder = run.make_run(path)
+    simulator = Simulator(diagram)
+    with recorder:
+        simulator.AdvanceTo(0.1)
+        simulator.get_mutable_context().SetTime(0.0)
+        with pytest.raises(RecorderError, match=r"time went back from 0\.1 s to 0 s; use a new recorder"):
+            simulator.Initialize()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"rate": 0.0}, "rate"),
+        ({"rate": np.nan}, "rate"),
+        ({"chunk_duration": -1.0}, "chunk_duration"),
+        ({"joints": {"left": ["a"], "right": ["a"]}}, "joint name 'a'"),
+        ({"bodies": {"a": 1}, "static_bodies": {"a": 2}}, "body name 'a'"),
+    ],
+)
+def test_unusable_arguments_create_no_file(path, options, message):
+    with pytest.raises(RecorderError, match=message):
+        McapRecorder(filename=path, **options)
+    assert not path.exists()
+
+
+def test_unusable_inputs(path):
+    diagram, recorder = run.make_run(path)
+    with recorder:
+        for name in ("margin", "palm", "tf", "events", "left_state"):
+            with pytest.raises(RecorderError, match=f"'{name}' is taken"):
+                recorder.AddVectorInput(name, 1, ["a"], "m")
+        for name in ("", "/a", "a//b", "a b", "1a", "a/"):
+            with pytest.raises(RecorderError, match="is no topic name"):
+                recorder.AddWrenchInput(name, "world")
+        with pytest.raises(RecorderError, match="size 2 but 1 names"):
+            recorder.AddVectorInput("new", 2, ["a"], "m")
+        with pytest.raises(RecorderError, match="element name 'a'"):
+            recorder.AddVectorInput("new", 2, ["a", "a"], "m")
+        with pytest.raises(RecorderError, match="no unit"):
+            recorder.AddVectorInput("new", 1, ["a"], "")
+        for t in (-1.0, np.nan):
+            with pytest.raises(RecorderError, match="event 'grasp' at t"):
+                recorder.Event("grasp", t)
+        Simulator(diagram).AdvanceTo(0.01)
+        with pytest.raises(RecorderError, match="after the first sample"):
+            recorder.AddVectorInput("new", 1, ["a"], "m")
+
+
+PENDULUM = """
+<robot name="pendulum">
+  <link name="base"/>
+  <link name="bob">
+    <inertial><mass value="1"/><origin xyz="0 0 -0.5"/>
+      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+  </link>
+  <joint name="world_joint" type="fixed"><parent link="world"/><child link="base"/></joint>
+  <joint name="swing" type="continuous"><parent link="base"/><child link="bob"/><axis xyz="0 1 0"/></joint>
+  <transmission type="SimpleTransmission"><joint name="swing"/><actuator name="motor"/></transmission>
+</robot>
+"""
+
+
+def record_plant(path):
+    """Two pendulums and a falling box; returns the log of the first pendulum's state and of the box's pose."""
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.001)
+    for arm, angle in (("left", 1.0), ("right", -0.5)):
+        parser = Parser(plant)
+        parser.SetAutoRenaming(True)
+        [instance] = parser.AddModelsFromString(PENDULUM, "urdf")
+        plant.RenameModelInstance(instance, arm)
+        plant.GetJointByName("swing", instance).set_default_angle(angle)
+    plant.AddRigidBody("box", plant.AddModelInstance("box"), SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1))
+    plant.Finalize()
+    with McapRecorder.AddToBuilder(filename=path, builder=builder, plant=plant, arms=["left", "right"]) as recorder:
+        state = plant.get_state_output_port(plant.GetModelInstanceByName("left"))
+        builder.Connect(state, recorder.AddVectorInput("again", 2, ["angle", "rate"], "rad"))
+        logger = LogVectorOutput(state, builder, publish_period=0.01)
+        box_logger = LogVectorOutput(
+            plant.get_state_output_port(plant.GetModelInstanceByName("box")), builder, publish_period=0.01
+        )
+        simulator = Simulator(builder.Build())
+        simulator.AdvanceTo(0.5)
+        return logger.FindLog(simulator.get_context()).data(), box_logger.FindLog(simulator.get_context()).data()
+
+
+def test_a_plant_through_add_to_builder(tmp_path):
+    log, box_log = record_plant(tmp_path / "one")
+    record_plant(tmp_path / "two")
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+    series = read_mcap(tmp_path / "one").series
+    joints, tf = series["/joint_states"], series["/tf"]
+    n = len(joints.t)
+    assert joints.names == ("left_swing", "right_swing")
+    np.testing.assert_array_equal(joints.values[:, 0, :2], log.T[:n])
+    np.testing.assert_array_equal(series["/again"].values, log.T[:n])
+    assert np.all(joints.values[:, 0, 2] == 0.0)  # Nothing drives the motor.
+    assert set(tf.names) == {"left_bob", "right_bob", "box"}
+    assert set(series["/tf_static"].names) == {"left_base", "right_base"}
+    box = tf.values[:, tf.names.index("box")]
+    np.testing.assert_allclose(box[:, :3], box_log[4:7].T[:n], atol=1e-7)
+    np.testing.assert_allclose(box[-1, 2], -0.5 * 9.81 * joints.t[-1] ** 2, rtol=0.01)
+
+
+def test_an_arm_that_is_none(path):
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.001)
+    plant.AddRigidBody("box", plant.AddModelInstance("box"), SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1))
+    plant.Finalize()
+    for arm, message in (("arm", "no model instance 'arm'"), ("box", "'box' has 6 degrees of freedom")):
+        with pytest.raises(RecorderError, match=message):
+            McapRecorder.AddToBuilder(filename=path, builder=builder, plant=plant, arms=[arm])
+    assert not path.exists()
+
+
+def test_a_killed_process_loses_one_chunk(path):
+    script = """
+        import os, sys
+        import recorded_run as run
+        from pydrake.systems.analysis import Simulator
+        diagram, recorder = run.make_run(sys.argv[1])
+        Simulator(diagram).AdvanceTo(0.9)
+        os.kill(os.getpid(), 9)
+    """
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    ended = subprocess.run([sys.executable, "-c", textwrap.dedent(script), path], env=environment, check=False)
+    assert ended.returncode == -9
+    with pytest.raises(RecorderError, match=r"cut off or damaged .* after t = 0\.74 s"):
+        read_mcap(path)
+    recording = read_mcap(path, recover=True)
+    assert recording.damage
+    assert recording.robot_description == run.URDF
+    assert recording.metadata["run"]["seed"] == "7"
+    assert recording.series["/margin"].t[-1] >= 0.9 - 0.25

@@ -1,0 +1,139 @@
+"""A recorded scene, opened in a headless browser as a person would open it."""
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from pydrake.common.value import Value
+from pydrake.geometry import (
+    Box,
+    FramePoseVector,
+    GeometryFrame,
+    GeometryInstance,
+    MakePhongIllustrationProperties,
+    MeshcatVisualizer,
+    MeshcatVisualizerParams,
+    SceneGraph,
+)
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
+
+from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat, write_scene_html
+from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, SkeletonGhost
+
+DURATION = 10.0
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+BROWSER = next((found for found in map(shutil.which, BROWSERS) if found), None)
+needs_browser = pytest.mark.skipif(BROWSER is None, reason=f"no browser on the path, tried {', '.join(BROWSERS)}")
+
+# The page's own errors, whatever their kind, become lines of the browser's log.
+_REPORTER = """<script>
+const report = (what) => console.log("PAGE-ERROR " + what);
+window.addEventListener("error", (event) => report(event.message));
+window.addEventListener("unhandledrejection", (event) => report(event.reason));
+console.error = (...what) => report(what.join(" "));
+</script>"""
+
+
+class MovingPerson(LeafSystem):
+    """Hands that rise and part; the box stays between them; the hands' link leaves its band halfway."""
+
+    def __init__(self, source_id, frame_id):
+        super().__init__()
+        self._source, self._frame = source_id, frame_id
+        self.DeclareVectorOutputPort("points", 18, self._points)
+        self.DeclareVectorOutputPort("margin", 5, self._margin)
+        self.DeclareAbstractOutputPort("pose", lambda: Value(FramePoseVector()), self._pose)
+
+    def _points(self, context, output):
+        u = context.get_time() / DURATION
+        half, height = 0.10 + 0.20 * u, 0.7 + 0.5 * u
+        left = np.array([[-0.18, 0.0, 1.3], [-0.32, 0.1, 1.1], [-half, 0.35, height]])
+        output.SetFromVector(np.concatenate([left, left * [-1, 1, 1]]).ravel())
+
+    def _margin(self, context, output):
+        output.SetFromVector([0.5, 0.5, 0.5 - context.get_time() / DURATION, 0.5, 0.1])
+
+    def _pose(self, context, output):
+        poses = FramePoseVector()
+        poses.set_value(self._frame, RigidTransform([0.0, 0.35, 0.7 + 0.5 * context.get_time() / DURATION]))
+        output.set_value(poses)
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    meshcat = start_meshcat(port=0)
+    builder = DiagramBuilder()
+    scene_graph = builder.AddSystem(SceneGraph())
+    source = scene_graph.RegisterSource("person")
+    frame = scene_graph.RegisterFrame(source, GeometryFrame("box"))
+    box = GeometryInstance(RigidTransform(), Box(0.15, 0.2, 0.2), "box")
+    box.set_illustration_properties(MakePhongIllustrationProperties([0.2, 0.3, 0.8, 1.0]))
+    scene_graph.RegisterGeometry(source, frame, box)
+    person = builder.AddSystem(MovingPerson(source, frame))
+    builder.Connect(person.GetOutputPort("pose"), scene_graph.get_source_pose_port(source))
+    MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, MeshcatVisualizerParams(publish_period=1 / 32))
+    ghost = SkeletonGhost(meshcat, opacity=1.0, radius=0.02)
+    points, margin = person.GetOutputPort("points"), person.GetOutputPort("margin")
+    SkeletonDrawer.AddToBuilder(builder, points, ghost, margin_port=margin)
+    set_scene_camera(meshcat, (0.0, 1.6, 1.2), (0.0, 0.2, 1.0))
+    simulator = Simulator(builder.Build())
+    meshcat.StartRecording(frames_per_second=32, set_visualizations_while_recording=False)
+    simulator.AdvanceTo(DURATION)
+    path = tmp_path_factory.mktemp("scene") / "scene.html"
+    return write_scene_html(meshcat, path, title="Hold and place", legend=LEGEND)
+
+
+def open_at(page, time, directory, *, script=""):
+    """Opens a copy of `page` at `time` (s) of its recording; returns pixels (H, W, 3) and the errors it reported."""
+    seek = f"viewer.animator.pause(); viewer.animator.seek({time}); viewer.set_dirty(); {script}"
+    text = page.read_text(encoding="utf-8").replace("<head>", "<head>" + _REPORTER, 1)
+    before, end, after = text.rpartition("</body>")
+    copy, picture = directory / "copy.html", directory / "picture.png"
+    # The page fills its scene from fetches that it does not wait for.
+    copy.write_text(f"{before}<script>setTimeout(() => {{{seek}}}, 2000)</script>{end}{after}", encoding="utf-8")
+    switches = "headless no-sandbox use-angle=swiftshader enable-unsafe-swiftshader no-first-run disable-quic "
+    switches += "disable-background-networking disable-component-update disable-sync hide-scrollbars "
+    switches += "enable-logging=stderr virtual-time-budget=4000 window-size=640,480"
+    command = [BROWSER, *(f"--{switch}" for switch in switches.split()), f"--user-data-dir={directory / 'profile'}"]
+    command += [f"--screenshot={picture}", copy.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    return imread(picture)[..., :3], [row for row in done.stderr.splitlines() if "PAGE-ERROR" in row]
+
+
+def coloured(pixels, red, green, blue):
+    """Number of pixels in which, of the three channels, those asked for stand out (1), or do not (0)."""
+    high = np.where([red, green, blue], pixels, 1.0).min(axis=-1)
+    low = np.where([red, green, blue], 0.0, pixels).max(axis=-1)
+    return int(np.sum(high - low > 0.25))
+
+
+def test_ten_seconds_make_a_page_under_five_megabytes(page):
+    assert page.stat().st_size < 5e6
+
+
+@needs_browser
+def test_the_page_plays_and_shows_a_link_leave_its_band(page, tmp_path):
+    seen = []
+    for time in (0.5, 9.5):
+        directory = tmp_path / str(time)
+        directory.mkdir()
+        pixels, errors = open_at(page, time, directory)
+        assert not errors
+        assert pixels.std() > 0.05, "blank"
+        # Only the scene: neither the controls above nor the caption in the lower left corner.
+        seen.append(pixels[30:, 240:])
+    early, late = seen
+    assert np.mean(np.any(np.abs(early - late) > 0.1, axis=-1)) > 0.01, "nothing moved"
+    assert min(coloured(pixels, 0, 0, 1) for pixels in seen) > 500, "no box"
+    assert coloured(early, 1, 0, 0) < 20, "red before any link left its band"
+    assert coloured(late, 1, 0, 0) > 200, "no red link"
+
+
+@needs_browser
+def test_an_error_on_the_page_would_be_noticed(page, tmp_path):
+    _, errors = open_at(page, 1.0, tmp_path, script="no_such_function();")
+    assert len(errors) == 1 and "no_such_function" in errors[0]
