@@ -6,9 +6,10 @@ direction n, J n = 0, that does not move the palm:
 
     q' = s J^+ X' + alpha n,   J_psi q' = psi'_cmd  =>  alpha = (psi'_cmd - J_psi J^+ X' s) / (J_psi n)
 
-J_psi is the derivative of the swivel angle itself; for a resting wrist J_psi q' = U_psi^T J_E q' / r, with r the elbow's
-distance from the shoulder-wrist line, which is the form in which the paper speaks of it. Joint limits hold by
-construction: alpha is kept in the interval they leave, and where that is empty the palm's twist is scaled (0 <= s < 1).
+J_psi is the derivative of the swivel angle itself; for a resting wrist J_psi q' = -U_psi^T J_E q' / r, with r the
+elbow's distance from the shoulder-wrist line and U_psi as (19) prints it, which is the form in which the paper speaks
+of it. Joint limits hold by construction: alpha is kept in the interval they leave, and where that is empty the palm's
+twist is scaled (0 <= s < 1).
 """
 
 from dataclasses import dataclass
@@ -44,6 +45,9 @@ class IkGains:
     velocity_share: float = 0.9
 
 
+DEFAULT_GAINS = IkGains()
+
+
 def damped_inverse(jacobian, singular_value: float, damping: float):
     """The pseudo-inverse (7, 6), damped where a singular value is small, and the null direction n (7,)."""
     u, s, vt = np.linalg.svd(jacobian)
@@ -53,7 +57,7 @@ def damped_inverse(jacobian, singular_value: float, damping: float):
 
 
 def velocity_bounds(q, lower, upper, velocity, gains: IkGains):
-    """The velocities a joint may have at q so that it never passes its limits: two arrays like q, lower <= 0 <= upper."""
+    """The velocities a joint may have at q so that it never passes its limits: arrays like q, lower <= 0 <= upper."""
     top = gains.velocity_share * velocity
     low = np.clip(gains.limit_gain * (lower + gains.limit_margin - q), -top, 0.0)
     high = np.clip(gains.limit_gain * (upper - gains.limit_margin - q), 0.0, top)
@@ -105,7 +109,9 @@ def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkG
         twist: (6,) commanded palm twist.
         swivel_jacobian: (7,) J_psi.
         swivel_rate: commanded psi', rad/s.
-        low, high: (7,) bounds from `velocity_bounds`.
+        low: (7,) lower bounds from `velocity_bounds`.
+        high: (7,) upper bounds.
+        gains: of them the damping and the null floor count here.
 
     Returns:
         q' (7,), rad/s, and the share s in [0, 1] of the palm's twist that is met.

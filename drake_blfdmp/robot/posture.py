@@ -4,13 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drake_blfdmp.robot.differential_ik import IkGains
+from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import HOME, JOINTS_PER_ARM, JointLimits
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.robot.tracking import DualArmTracker, pose_error, rotation_matrix
 
 ROLL_JOINT = 6  # The palm's normal is the axis of joint 7, so rolling the palm is turning joint 7.
+
+CONVERGED = 1e-4  # m or rad.
+SWIVEL_STEPS = 4  # Steps given to the swivel once the palm is there.
 
 
 @dataclass(frozen=True)
@@ -33,13 +36,18 @@ class Following:
 def starting_posture(
     kinematics: DualArmKinematics, limits: JointLimits, pose, swivel, *, seeds: int = 12, seed: int = 0
 ) -> np.ndarray | None:
-    """A posture with both palms at `pose` but for their roll, which is left to joint 7 = 0, and the given swivel angles.
+    """A posture with both palms at `pose` but for their roll, left to joint 7 = 0, and the given swivel angles.
 
     Position, normal and swivel are six conditions for joints 1-6. Damped Newton from HOME and from random postures;
     of all solutions the one farthest from its limits.
 
     Args:
-        pose: (2, 7) X_WP; swivel: (2,) rad.
+        kinematics: of both arms.
+        limits: of their joints.
+        pose: (2, 7) X_WP.
+        swivel: (2,) rad.
+        seeds: postures Newton's method starts from, for each arm.
+        seed: of the random ones among them.
 
     Returns:
         q (14,), or None where one of the arms has no solution.
@@ -56,6 +64,8 @@ def starting_posture(
             solution = _newton(kinematics, arm, guess, pose[arm], swivel[arm])
             if solution is None:
                 continue
+            # Joint 6 reaches beyond pi: whole turns are counted from the lower limit, not from -pi.
+            solution = lower + (solution - lower) % (2 * np.pi)
             margin = np.minimum(solution - lower, upper - solution).min()
             if margin > best_margin:
                 best, best_margin = solution, margin
@@ -76,7 +86,6 @@ def _newton(kinematics, arm, guess, pose, swivel, iterations: int = 60):
         turn = np.cross(z, normal) if z @ normal > -0.9 else state.rotation[:, 0]
         error = np.concatenate([turn, pose[4:] - state.position, [wrap(swivel - state.swivel)]])
         if np.linalg.norm(error) < 1e-6:
-            q[joints] = (q[joints] + np.pi) % (2 * np.pi) - np.pi
             return q[joints].copy()
         jacobian = np.vstack([state.jacobian, state.swivel_jacobian])[:, :ROLL_JOINT]
         jacobian[:3] -= np.outer(z, z @ jacobian[:3])
@@ -101,11 +110,11 @@ def follow(
     pose,
     swivel,
     *,
-    gains: IkGains = IkGains(),
-    substeps: int = 4,
+    gains: IkGains = DEFAULT_GAINS,
+    substeps: int = 25,
     give_up: float = np.inf,
 ) -> Following:
-    """Follow (N, 2, 7) palm poses and (N, 2) swivel angles from q, each sample approached in `substeps` Newton steps.
+    """Follow (N, 2, 7) palm poses and (N, 2) swivel angles from q, up to `substeps` Newton steps to a sample.
 
     Joint limits hold as in the running system; speed does not count here. The rest of a path is skipped once a palm
     is off by more than `give_up` (m or rad); its postures are then those of the last sample tried.
@@ -127,12 +136,15 @@ def follow(
     path, worst_pose, worst_swivel = np.empty((len(pose), 14)), 0.0, 0.0
     rest = np.zeros((2, 6)), np.zeros(2)
     for k in range(len(pose)):
-        for _ in range(substeps):
+        for trial in range(substeps + 1):
+            states = kinematics.evaluate(q)
+            off = max(float(np.abs(pose_error(state, pose[k, arm])).max()) for arm, state in enumerate(states))
+            turn = max(abs(float(wrap(swivel[k, arm] - state.swivel))) for arm, state in enumerate(states))
+            if trial == substeps or (off < CONVERGED and (turn < CONVERGED or trial >= SWIVEL_STEPS)):
+                break
             q = q + tracker.velocity(q, pose[k], rest[0], swivel[k], rest[1])[0]
         path[k] = q
-        for arm, state in enumerate(kinematics.evaluate(q)):
-            worst_pose = max(worst_pose, float(np.abs(pose_error(state, pose[k, arm])).max()))
-            worst_swivel = max(worst_swivel, float(abs(wrap(swivel[k, arm] - state.swivel))))
+        worst_pose, worst_swivel = max(worst_pose, off), max(worst_swivel, turn)
         if worst_pose > give_up:
             path[k:] = q
             break

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydrake.math import RigidTransform
 from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RigidTransform
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.robot.clearance import ClearanceChecker
@@ -21,12 +21,24 @@ SPAN = np.array([0.5, 0.30, 0.80])
 """Its size along x, y, z, m."""
 
 SCALES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
-SHIFTS = tuple(np.array([0.0, y, z]) for y in (0.0, 0.06, -0.06) for z in (0.0, 0.1, -0.1))
+SHIFTS = tuple(np.array([0.0, y, z]) for y in (0.0, 0.06, 0.12, -0.06) for z in (0.0, 0.1, -0.1))
 SAMPLES = 60
 POSE_TOLERANCE = 2e-3
 JOINT_MARGIN = 0.09
 CLEARANCE = 0.02
 COMFORT = 0.2
+EASE = 1.5
+"""A motion that need not be slowed down more than this is taken without looking at smaller scales."""
+
+STRAINED = 3.0
+"""A motion that must be slowed down more than this is tried with calmer elbows."""
+
+CALM = (1.0, 0.5, 0.2)
+"""Shares of the elbows' swing and of the hands' yaw that are allowed, first to last."""
+
+VELOCITY_SHARE = 0.5
+ACCELERATION_SHARE = 0.4
+"""Shares of the joints' limits that a motion may need."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +51,7 @@ class Reach:
         following: on the samples that were tried.
         samples: (M,) their indices in the motion.
         clearance: least distance of arms and pedestals among themselves on these samples, m.
+        stretch: how much the motion must be slowed down to keep the joints' speed and acceleration (>= 1).
     """
 
     retarget: Retarget
@@ -46,6 +59,7 @@ class Reach:
     following: Following
     samples: np.ndarray
     clearance: float
+    stretch: float
 
     @property
     def sound(self) -> bool:
@@ -54,9 +68,20 @@ class Reach:
         return f.pose_error <= POSE_TOLERANCE and f.joint_margin >= JOINT_MARGIN and self.clearance >= CLEARANCE
 
     @property
-    def quality(self) -> float:
-        """Larger is better: the smaller of the joint margin (rad) and four times the clearance (m)."""
-        return min(self.following.joint_margin, 4.0 * self.clearance)
+    def comfortable(self) -> bool:
+        """Sound, with margins to spare."""
+        return self.sound and self.following.joint_margin >= COMFORT and self.clearance >= 0.25 * COMFORT
+
+
+def needed_stretch(t, q, limits: JointLimits) -> float:
+    """How much a path q (M, 14) at times t (M,) must be slowed down to stay within the shares of the joints' limits."""
+    velocity = np.gradient(q, t, axis=0)
+    acceleration = np.gradient(velocity, t, axis=0)
+    return max(
+        1.0,
+        float((np.abs(velocity) / limits.velocity).max() / VELOCITY_SHARE),
+        float(np.sqrt((np.abs(acceleration) / limits.acceleration).max() / ACCELERATION_SHARE)),
+    )
 
 
 def rigid(pose) -> RigidTransform:
@@ -69,11 +94,12 @@ def evaluate(
     kinematics: DualArmKinematics,
     limits: JointLimits,
     checker: ClearanceChecker,
+    t,
     x,
     retarget: Retarget,
     anchor: int,
 ) -> Reach | None:
-    """Try one retargeting on points x (N, 6, 3); the rolls are chosen at sample `anchor`, the grasp.
+    """Try one retargeting on points x (N, 6, 3) at times t (N,); the rolls are chosen at sample `anchor`, the grasp.
 
     Returns:
         None where the arms cannot take the grasp at all.
@@ -91,13 +117,25 @@ def evaluate(
     back = follow(kinematics, limits, q, pose[samples[middle::-1]], swivel[samples[middle::-1]], give_up=give_up)
     start = back.q[-1]
     if back.pose_error > give_up:
-        return Reach(retarget, start, back, samples, 0.0)
+        return Reach(retarget, start, back, samples, 0.0, np.inf)
     following = follow(kinematics, limits, start, pose[samples], swivel[samples], give_up=give_up)
     clearance = min(checker.min_clearance(posture)[0] for posture in following.q[::2])
-    return Reach(retarget, start, following, samples, clearance)
+    stretch = needed_stretch(np.asarray(t)[samples], following.q, limits)
+    return Reach(retarget, start, following, samples, clearance, stretch)
+
+
+def calmed(retarget: Retarget, share: float) -> Retarget:
+    """The same map with the elbows' swing and the hands' yaw limited to a share of what it allows."""
+    out, inward, yaw = ((share * a, share * b) for a, b in (retarget.swing_out, retarget.swing_in, retarget.yaw))
+    return replace(retarget, swing_out=out, swing_in=inward, yaw=yaw)
+
+
+def _rank(reach: Reach) -> tuple[bool, float]:
+    return (not reach.comfortable, reach.stretch)
 
 
 def find_reach(
+    t,
     x,
     anchor: int,
     *,
@@ -109,12 +147,22 @@ def find_reach(
     elbow_up: bool = True,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Reach:
-    """The largest scale, and for it the place with the best margins, at which the whole motion is reachable.
+    """The largest scale at which the whole motion is reachable in comfort, and for it the place that needs least speed.
+
+    Where no scale is comfortable or easy, the sound one that needs least slowing down; where that is still strained, the
+    elbows' swing and the hands' yaw are limited further.
 
     Args:
+        t: (N,) s.
         x: (N, 6, 3) motion in the torso frame, m.
         anchor: index of the grasp.
-        scale, world: fixed by the user; searched where None.
+        kinematics: of both arms.
+        limits: of their joints.
+        scale: fixed by the user; searched where None.
+        world: (3,) fixed by the user, m; searched where None.
+        level: as in `Retarget`.
+        elbow_up: as in `Retarget`.
+        progress: called with the share of the search that is done.
 
     Raises:
         TaskError: nothing fits.
@@ -126,20 +174,22 @@ def find_reach(
     checker = ClearanceChecker(max_distance=0.1)
     scales = [scale] if scale is not None else [s for s in SCALES if s <= max(largest, SCALES[-1])]
     best, nearest = None, None
-    for i, s in enumerate(scales):
-        middle_now = 0.5 * (low + high) - person
-        places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world, float)]
-        for j, place in enumerate(places):
-            retarget = Retarget(s, person, place, np.zeros(2), level, elbow_up)
-            reach = evaluate(kinematics, limits, checker, x, retarget, anchor)
-            progress((i + (j + 1) / len(places)) / len(scales))
-            if reach is None:
-                continue
-            nearest = max(nearest or reach, reach, key=lambda r: -r.following.pose_error)
-            if reach.sound and (best is None or reach.quality > best.quality):
-                best = reach
-        # The largest comfortable scale; a tight one only where no smaller scale is comfortable.
-        if best is not None and best.quality >= COMFORT:
+    for c, calm in enumerate(CALM):
+        for i, s in enumerate(scales):
+            middle_now = 0.5 * (low + high) - person
+            places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world)]
+            for j, place in enumerate(places):
+                retarget = calmed(Retarget(s, person, place, np.zeros(2), level, elbow_up), calm)
+                reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor)
+                progress((c + (i + (j + 1) / len(places)) / len(scales)) / len(CALM))
+                if reach is None:
+                    continue
+                nearest = max(nearest or reach, reach, key=lambda r: -r.following.pose_error)
+                if reach.sound and (best is None or _rank(reach) < _rank(best)):
+                    best = reach
+            if best is not None and best.comfortable and best.stretch <= EASE:
+                break
+        if best is not None and best.stretch <= STRAINED:
             break
     progress(1.0)
     if best is not None:
@@ -149,8 +199,9 @@ def find_reach(
         raise TaskError(
             f"reach: the arms cannot take a box {distance:.2f} m wide anywhere in front of them; use a narrower box"
         )
+    f = nearest.following
     raise TaskError(
         f"reach: no scale from {scales[0]:g} to {scales[-1]:g} makes the whole motion reachable (best: palms "
-        f"{1000 * nearest.following.pose_error:.0f} mm off, joint margin {nearest.following.joint_margin:.2f} rad, clearance "
+        f"{1000 * f.pose_error:.0f} mm off, joint margin {f.joint_margin:.2f} rad, clearance "
         f"{nearest.clearance:.3f} m); shorten timing.approach_s and timing.retreat_s, or use a smaller box"
     )

@@ -1,7 +1,7 @@
 """From the person's six points to the arms: palm poses, palm twists and swivel angles.
 
-The person's torso frame is moved and scaled about the shoulders' midpoint; the distance between the hands is not scaled, so
-that the box keeps its width. Arms in the order left, right. World frame W: x to the right, y forward, z up.
+The person's torso frame is moved and scaled about the shoulders' midpoint; the distance between the hands is not
+scaled, so that the box keeps its width. Arms in the order left, right. World frame W: x to the right, y forward, z up.
 """
 
 from dataclasses import dataclass
@@ -28,8 +28,8 @@ class Retarget:
         elbow_up: mirror the elbows in the horizontal plane through shoulder and wrist: the robot's elbow swings out as
             far from "straight up" as the person's from "straight down". An arm that stands on its base has no posture
             with the elbow below that line (docs/redundancy.md measures it).
-        swing_out: up to the first angle (rad) the elbow swings out as far as the person's; beyond it less and less, never
-            to the second. swing_in: the same towards the other arm, where the robot's elbows would meet.
+        swing_out: up to the first angle (rad) the elbow swings out as far as the person's; beyond it less and less,
+            never past the second. swing_in: the same towards the other arm, where the robot's elbows would meet.
         yaw: the same for the yaw of the line between the hands, either way.
     """
 
@@ -88,8 +88,8 @@ def hand_line(x, velocity, retarget: Retarget):
     """The line between the hands in W.
 
     Returns:
-        middle (..., 3), m; its velocity (..., 3); distance (...) and rate; yaw and pitch (...) of the line, left to right,
-        and their rates, rad and rad/s. Pitch is positive when the right hand is higher, 0 when levelled.
+        middle (..., 3), m; its velocity (..., 3); distance (...) and rate; yaw and pitch (...) of the line, left to
+        right, and their rates, rad and rad/s. Pitch is positive when the right hand is higher, 0 when levelled.
     """
     r, r_dot = x[..., 5, :] - x[..., 2, :], velocity[..., 5, :] - velocity[..., 2, :]
     middle = retarget.point(0.5 * (x[..., 5, :] + x[..., 2, :]))
@@ -121,7 +121,9 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
     """Palm poses, palm twists, swivel angles and their rates.
 
     Args:
-        x, velocity: (..., 6, 3) in the torso frame, m, m/s.
+        x: (..., 6, 3) in the torso frame, m.
+        velocity: (..., 6, 3), m/s.
+        retarget: the map.
         offsets: `palm_offsets(retarget.rolls)` if at hand.
 
     Returns:

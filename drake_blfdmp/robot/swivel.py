@@ -1,7 +1,7 @@
 """The swivel angle: how far the arm's plane is turned about the line from the shoulder to the wrist; Fig. 4, (19).
 
-0 when the elbow hangs straight down, positive towards z x (wrist - shoulder): an arm that points forward (+y) raises its
-elbow towards -x with a positive angle. Points are (..., 3) in a frame with z up, m; angles rad.
+0 when the elbow hangs straight down, positive towards z x (wrist - shoulder): an arm that points forward (+y) raises
+its elbow towards -x with a positive angle. Points are (..., 3) in a frame with z up, m; angles rad.
 """
 
 import numpy as np
@@ -41,7 +41,10 @@ def swivel_jacobians(shoulder, elbow, wrist):
     across = w[..., 0] * e[..., 1] - w[..., 1] * e[..., 0]
     lw = length[..., None]
     da_de = lw * np.stack([-w[..., 1], w[..., 0], zero], axis=-1)
-    da_dw = lw * np.stack([e[..., 1], -e[..., 0], zero], axis=-1) + (across / length)[..., None] * w
+    da_dw = (
+        lw * np.stack([e[..., 1], -e[..., 0], zero], axis=-1)
+        + (across / np.where(length > 0, length, 1.0))[..., None] * w
+    )
     z = np.array([0.0, 0.0, 1.0])
     db_de = w[..., 2:3] * w - (length**2)[..., None] * z
     db_dw = dot[..., None] * z + w[..., 2:3] * e - 2.0 * e[..., 2:3] * w
@@ -56,7 +59,10 @@ def swivel_rate(shoulder, elbow, wrist, shoulder_velocity, elbow_velocity, wrist
 
 
 def swivel_direction(shoulder, elbow, wrist):
-    """U_psi of (19): SE x EW / |SE x EW|, with SE = x_s - x_e and EW = x_e - x_w as printed; the arm plane's normal."""
+    """U_psi of (19): SE x EW / |SE x EW|, with SE = x_s - x_e and EW = x_e - x_w as printed; the arm plane's normal.
+
+    A positive psi' moves the elbow along -U_psi. Zero where the arm is straight.
+    """
     u = np.cross(shoulder - elbow, elbow - wrist)
     norm = np.linalg.norm(u, axis=-1, keepdims=True)
     return np.where(norm > 1e-9, u / np.where(norm > 1e-9, norm, 1.0), 0.0)

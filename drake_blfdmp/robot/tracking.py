@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drake_blfdmp.robot.differential_ik import IkGains, resolve, velocity_bounds
+from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains, resolve, velocity_bounds
 from drake_blfdmp.robot.kinematics import ArmState, DualArmKinematics
 from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits
 from drake_blfdmp.robot.swivel import wrap
@@ -34,7 +34,7 @@ def pose_error(state: ArmState, pose) -> np.ndarray:
 class DualArmTracker:
     """Joint velocities that move both palms to their poses and, as far as possible, the elbows to the swivel angles."""
 
-    def __init__(self, kinematics: DualArmKinematics, limits: JointLimits, gains: IkGains = IkGains()):
+    def __init__(self, kinematics: DualArmKinematics, limits: JointLimits, gains: IkGains = DEFAULT_GAINS):
         """Use joint limits (14,) and gains."""
         self._kinematics, self._limits, self._gains = kinematics, limits, gains
 
@@ -43,8 +43,10 @@ class DualArmTracker:
 
         Args:
             q: (14,) rad.
-            pose: (2, 7) X_WP desired; twist: (2, 6) V_WP desired.
-            swivel, swivel_rate: (2,) desired, rad, rad/s.
+            pose: (2, 7) X_WP desired.
+            twist: (2, 6) V_WP desired.
+            swivel: (2,) desired, rad.
+            swivel_rate: (2,) desired, rad/s.
 
         Returns:
             q' (14,), rad/s; the share (2,) of each palm's commanded twist that is met; the swivel angles (2,) now.

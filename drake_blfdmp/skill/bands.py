@@ -29,7 +29,7 @@ class Bands:
         hands: d_j(t).
         initial, final: (5,) half widths at t = 0 and as t -> infinity, m.
         rate: decay of the funnel, 1/s.
-        opening: (5,) additional half width at t = 0, m.
+        opening: (..., 5) additional half width at t = 0, m.
     """
 
     bones: np.ndarray
@@ -55,7 +55,7 @@ class Bands:
         return tuple(np.stack([column[order] for column in columns], axis=-1) for order in range(3))
 
     def half_widths(self, t):
-        """sigma and its first two derivatives, each (..., 5)."""
+        """Sigma and its first two derivatives, each (..., 5)."""
         decay = np.exp(-self.rate * np.asarray(t)[..., None])
         excess = (np.asarray(self.initial) - np.asarray(self.final) + self.opening) * decay
         return np.asarray(self.final) + excess, -self.rate * excess, self.rate**2 * excess
@@ -71,7 +71,10 @@ class Bands:
         return replace(self, opening=0.0)
 
     def opened_to(self, x, filling: float = 0.8) -> "Bands":
-        """The funnel opened just so far that every link of the points x (6, 3) fills at most `filling` of it at t = 0."""
+        """The funnel opened just so far that at t = 0 every link of the points x (..., 6, 3) fills at most `filling`.
+
+        Leading axes of x give a batch of funnels, which `evaluate` takes at one time t.
+        """
         rho = np.linalg.norm(link_vectors(np.asarray(x, dtype=float)), axis=-1)
         error = np.abs(rho - self.desired(0.0)[0])
         return replace(self, opening=np.maximum(0.0, error / filling - np.asarray(self.initial)))

@@ -23,7 +23,7 @@ def middles_and_half_widths(bands):
 
 
 def normalised_error(rho, rho_dot, bands):
-    """xi and xi' of lengths rho (..., 5), m, with rates rho' (..., 5), m/s."""
+    """Xi and xi' of lengths rho (..., 5), m, with rates rho' (..., 5), m/s."""
     (m, m1, _), (w, w1, _) = middles_and_half_widths(bands)
     xi = (rho - m) / w
     return xi, (rho_dot - m1 - w1 * xi) / w
@@ -40,11 +40,11 @@ def barrier_derivative(xi, xi_dot, k_1, k_2):
 
 
 def error_acceleration(xi, xi_dot, k_1, k_2):
-    """xi'' of the default law, 1/s^2."""
+    """Xi'' of the default law, 1/s^2."""
     return -xi / (1.0 - xi * xi) - k_2 * (xi_dot + k_1 * xi) - k_1 * xi_dot
 
 
 def length_acceleration(xi, xi_dot, xi_ddot, bands):
-    """rho'' = m'' + w xi'' + 2 w' xi' + w'' xi, m/s^2."""
+    """Rho'' = m'' + w xi'' + 2 w' xi' + w'' xi, m/s^2."""
     (_, _, m2), (w, w1, w2) = middles_and_half_widths(bands)
     return m2 + w * xi_ddot + 2.0 * w1 * xi_dot + w2 * xi

@@ -8,14 +8,14 @@ from drake_blfdmp.skill.canonical import phase_at
 def centers_and_widths(n: int, gamma: float) -> tuple[np.ndarray, np.ndarray]:
     """Centres c_k equally spaced in time (so exponentially in phase) and widths h_k, both (n,).
 
-    Neighbouring functions cross at exp(-1/2 (1/1.25)^2), about 0.73: wide enough for a smooth sum, narrow enough for
-    the regression to stay well conditioned.
+    phi_k has the spacing of the centres as its standard deviation, so neighbours cross at about exp(-1/8) = 0.88: wide
+    enough for a smooth sum, and the regression's condition stays below 100 (`docs/learning.md`).
     """
     if n < 2:
         raise ValueError(f"a basis needs at least 2 functions, not {n}")
     c = phase_at(np.linspace(0.0, 1.0, n), 1.0, gamma)
     spacing = np.abs(np.gradient(c))
-    return c, 0.5 / (1.25 * spacing) ** 2
+    return c, 0.5 / spacing**2
 
 
 def activations(s, centers, widths):

@@ -15,7 +15,7 @@ def phase_at(t, tau, gamma=DEFAULT_GAMMA):
 
 
 def phase_rate(s, tau, gamma=DEFAULT_GAMMA):
-    """s' by (2), 1/s."""
+    """S' by (2), 1/s."""
     return -gamma * s / tau
 
 

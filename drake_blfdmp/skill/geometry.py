@@ -9,12 +9,12 @@ SECOND = np.array([link.b for link in LINKS])
 
 
 def link_vectors(x):
-    """r = x_b - x_a of every link: (..., 5, 3)."""
+    """R = x_b - x_a of every link: (..., 5, 3)."""
     return x[..., SECOND, :] - x[..., FIRST, :]
 
 
 def link_lengths(x):
-    """rho = |r|: (..., 5)."""
+    """Rho = |r|: (..., 5)."""
     r = link_vectors(x)
     return np.sqrt(np.sum(r * r, axis=-1))
 

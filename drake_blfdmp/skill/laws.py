@@ -14,7 +14,7 @@ from drake_blfdmp.skill.sampled import Gains
 
 
 def default_link_acceleration(x, velocity, bands, gains: Gains):
-    """rho'' of the five links by the default law, xi and xi': each (..., 5)."""
+    """Rho'' of the five links by the default law, xi and xi': each (..., 5)."""
     rho, rho_dot, _, _ = link_states(x, velocity)
     xi, xi_dot = normalised_error(rho, rho_dot, bands)
     xi_ddot = error_acceleration(xi, xi_dot, gains.k_1, gains.k_2)

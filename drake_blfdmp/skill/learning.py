@@ -17,7 +17,7 @@ def learn_skill(
     t: np.ndarray,
     x: np.ndarray,
     *,
-    basis_functions: int = 50,
+    basis_functions: int | None = None,
     method: str = "ridge",
     alpha_z: float | None = None,
     gamma: float = DEFAULT_GAMMA,
@@ -30,12 +30,13 @@ def learn_skill(
         t: (N,) increasing time from 0, s.
         x: (N, 6, 3) smooth positions, m. Velocity and acceleration are those of the quintic spline through them, so
             noise must be gone before: differentiation multiplies it by 1/dt^2.
+        basis_functions: n; by default 6 a second, at least 50: n functions follow frequencies up to n / (2 tau) only.
         method: "ridge" (all basis functions at once) or "lwr" (locally weighted regression, the paper's).
         alpha_z: gain of (1); by default 10 tau, so that the spring's rate alpha_z / (2 tau) is 5 rad/s whatever the
             duration. beta_z = alpha_z / 4: critically damped.
 
     Raises:
-        SkillError: too few samples, or an unknown method.
+        SkillError: too few samples or basis functions, or an unknown method.
     """
     if method not in METHODS:
         raise SkillError(f"learning: unknown method '{method}'; there are {', '.join(METHODS)}")
@@ -45,14 +46,20 @@ def learn_skill(
     if not (np.all(np.diff(t) > 0) and np.all(np.isfinite(x))):
         raise SkillError("learning: time must increase and every position be finite; clean the recording first")
     tau = float(t[-1] - t[0])
+    n = max(50, int(np.ceil(6.0 * tau))) if basis_functions is None else basis_functions
+    if n < 2:
+        raise SkillError(f"learning: needs at least 2 basis functions, not {n}")
     alpha_z = 10.0 * tau if alpha_z is None else alpha_z
     spline = make_interp_spline(t, x.reshape(len(t), 18), k=5)
     goal = x[-1].reshape(18)
-    target = target_forcing(spline(t), spline(t, 1), spline(t, 2), goal, tau, alpha_z, alpha_z / 4)
-    centers, widths = centers_and_widths(basis_functions, gamma)
-    weights = METHODS[method](phase_at(t - t[0], tau, gamma), target, centers, widths)
+    # Ten samples a function or more: between sparse samples the fit would be free to swing.
+    u = np.linspace(0.0, tau, max(len(t), 10 * n + 1))
+    x_u, velocity, acceleration = (spline(t[0] + u, order) for order in range(3))
+    target = target_forcing(x_u, velocity, acceleration, goal, tau, alpha_z, alpha_z / 4)
+    centers, widths = centers_and_widths(n, gamma)
+    weights = METHODS[method](phase_at(u, tau, gamma), target, centers, widths)
     return Skill(
-        weights=weights.reshape(basis_functions, 6, 3),
+        weights=weights.reshape(n, 6, 3),
         centers=centers,
         widths=widths,
         start=x[0].copy(),

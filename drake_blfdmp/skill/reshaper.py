@@ -1,6 +1,6 @@
 """The least change of all points' accelerations that gives every link the acceleration asked for.
 
-The five demands are linear in the 18 point accelerations. With W the mobility of each point, the weighted least change is
+The five demands are linear in the 18 point accelerations. With W the mobility of each point, the least change is
 
     Delta = W G^T (G W G^T)^-1 need,   need = rho'' - (|r'|^2 - rho'^2) / rho - n^T (x_b'' - x_a'')
 

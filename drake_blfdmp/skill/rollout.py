@@ -12,7 +12,7 @@ from drake_blfdmp.skill.geometry import link_lengths
 from drake_blfdmp.skill.laws import default, none
 from drake_blfdmp.skill.sampled import Gains
 from drake_blfdmp.skill.skill import Skill
-from drake_blfdmp.skill.transformation import nominal_acceleration, step, step_matrices
+from drake_blfdmp.skill.transformation import mean_acceleration, step, step_matrices
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,9 @@ def roll_out(
         xs[k], velocities[k] = x, v / skill.tau
         coupling = 0.0
         if all_bands is not None:
-            nominal = nominal_acceleration(x, v, forcings[k], goal, skill.tau, skill.alpha_z, skill.beta_z)
+            nominal = mean_acceleration(x, v, forcings[k], goal, skill.tau, matrices, time_step)
             coupling = law(x, velocities[k], nominal, all_bands[k], gains)
-        x, v = step(x, v, forcings[k], goal, coupling, skill.tau, matrices)
+        x, v = step(x, v, forcings[k], goal, coupling, skill.tau, matrices, time_step)
         if k % 200 == 0:
             progress((k + 1) / n)
     progress(1.0)

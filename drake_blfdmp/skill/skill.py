@@ -72,7 +72,11 @@ class Skill:
         return replace(self, goal=np.array(goal, dtype=float))
 
     def save(self, path: Path) -> None:
-        """Write the skill as JSON; numbers survive a round trip to the last bit. An existing file is not touched."""
+        """Write the skill as JSON; numbers survive a round trip to the last bit.
+
+        Raises:
+            SkillError: the file exists already (it is not touched) or cannot be written.
+        """
         document = {
             "format": "drake_blfdmp skill",
             "version": VERSION,
@@ -89,16 +93,21 @@ class Skill:
             "widths": self.widths.tolist(),
             "weights": self.weights.tolist(),
         }
-        with Path(path).open("x", encoding="utf-8") as file:
-            json.dump(document, file, indent=1)
-            file.write("\n")
+        try:
+            with Path(path).open("x", encoding="utf-8") as file:
+                json.dump(document, file, indent=1)
+                file.write("\n")
+        except FileExistsError as error:
+            raise SkillError(f"{path}: exists already; choose another name or remove it") from error
+        except OSError as error:
+            raise SkillError(f"{path}: cannot be written ({error.strerror})") from error
 
     @staticmethod
     def load(path: Path) -> "Skill":
         """Read what `save` wrote.
 
         Raises:
-            SkillError: not a skill, another version, or a field missing.
+            SkillError: not a skill, another version, other points, or a field missing or out of range.
         """
         try:
             document = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -108,6 +117,8 @@ class Skill:
             raise SkillError(f"{path}: is not a skill file")
         if document.get("version") != VERSION:
             raise SkillError(f"{path}: has version {document.get('version')}, this program reads {VERSION}")
+        if document.get("points") != list(POINTS):
+            raise SkillError(f"{path}: its points are {document.get('points')}, expected {', '.join(POINTS)}")
         try:
             return Skill(
                 weights=np.array(document["weights"], dtype=float),
@@ -119,8 +130,10 @@ class Skill:
                 alpha_z=float(document["alpha_z"]),
                 beta_z=float(document["beta_z"]),
                 gamma=float(document["gamma"]),
-                events=dict(document["events_s"]),
+                events={str(name): float(t) for name, t in document["events_s"].items()},
                 source=str(document["source"]),
             )
-        except (KeyError, TypeError, ValueError) as error:
+        except SkillError as error:
+            raise SkillError(f"{path}: {error}") from error
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise SkillError(f"{path}: the skill is incomplete or damaged ({error})") from error

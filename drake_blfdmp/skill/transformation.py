@@ -9,12 +9,12 @@ from scipy.linalg import expm
 
 
 def nominal_acceleration(x, v, f, goal, tau, alpha_z, beta_z):
-    """x'' of the uncoupled system (1): (alpha_z (beta_z (g - x) - v) + f) / tau^2."""
+    """X'' of the uncoupled system (1): (alpha_z (beta_z (g - x) - v) + f) / tau^2."""
     return (alpha_z * (beta_z * (goal - x) - v) + f) / tau**2
 
 
 def derivatives(x, v, f, goal, coupling_acceleration, tau, alpha_z, beta_z):
-    """x' and v' of the coupled system: (6) with u = f / tau + tau times the coupling acceleration (m/s^2)."""
+    """X' and v' of the coupled system: (6) with u = f / tau + tau times the coupling acceleration (m/s^2)."""
     a = nominal_acceleration(x, v, f, goal, tau, alpha_z, beta_z)
     return v / tau, tau * (a + coupling_acceleration)
 
@@ -22,7 +22,7 @@ def derivatives(x, v, f, goal, coupling_acceleration, tau, alpha_z, beta_z):
 def step_matrices(dt: float, tau: float, alpha_z: float, beta_z: float) -> tuple[np.ndarray, np.ndarray]:
     """The exact solution of (1) over one step with all inputs held.
 
-    With e = x - g and a constant push p = f + tau^2 coupling, (e, v)(t + dt) = A (e, v)(t) + b p.
+    With e = x - g and a constant forcing f, (e, v)(t + dt) = A (e, v)(t) + b f.
 
     Returns:
         A (2, 2), b (2,).
@@ -34,12 +34,26 @@ def step_matrices(dt: float, tau: float, alpha_z: float, beta_z: float) -> tuple
     return e[:2, :2], e[:2, 2]
 
 
-def step(x, v, f, goal, coupling_acceleration, tau, matrices):
-    """The state one step later; `matrices` are those of `step_matrices`."""
+def uncoupled_step(x, v, f, goal, matrices):
+    """The state of (1) one step later; `matrices` are those of `step_matrices`."""
     (a, b) = matrices
     e = x - goal
-    p = f + tau**2 * coupling_acceleration
-    return goal + a[0, 0] * e + a[0, 1] * v + b[0] * p, a[1, 0] * e + a[1, 1] * v + b[1] * p
+    return goal + a[0, 0] * e + a[0, 1] * v + b[0] * f, a[1, 0] * e + a[1, 1] * v + b[1] * f
+
+
+def mean_acceleration(x, v, f, goal, tau, matrices, dt):
+    """X'' of the uncoupled system averaged over the coming step: what the coupling of a sampled system must cancel."""
+    return (uncoupled_step(x, v, f, goal, matrices)[1] - v) / (tau * dt)
+
+
+def step(x, v, f, goal, coupling_acceleration, tau, matrices, dt):
+    """The state one step later, the coupling acceleration (m/s^2) held.
+
+    The coupling acts beside the spring and damper and not through them: so the velocity changes by exactly dt times
+    the mean uncoupled acceleration plus the coupling, and what the law demands is met over the whole step.
+    """
+    x, v = uncoupled_step(x, v, f, goal, matrices)
+    return x + 0.5 * dt**2 * coupling_acceleration, v + tau * dt * coupling_acceleration
 
 
 def target_forcing(x, velocity, acceleration, goal, tau, alpha_z, beta_z):

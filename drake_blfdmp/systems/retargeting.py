@@ -1,5 +1,6 @@
 """Retargeting of the person's six points to both arms as a Drake system."""
 
+import numpy as np
 from pydrake.systems.framework import LeafSystem
 
 from drake_blfdmp.robot.retargeting import Retarget, palm_offsets, retarget_motion
@@ -21,8 +22,8 @@ class Retargeting(LeafSystem):
         - swivel_rate
 
     No state. `position`, `velocity` (18) in the torso frame. `palm_poses` (14): left, then right X_WP as qw qx qy qz
-    x y z. `palm_twists` (12): angular (rad/s), then translational velocity (m/s) of each palm in W. `swivel` (2), rad, and
-    `swivel_rate` (2), rad/s, of the person's arms.
+    x y z. `palm_twists` (12): angular (rad/s), then translational velocity (m/s) of each palm in W. `swivel` (2), rad,
+    and `swivel_rate` (2), rad/s: what is asked of the robot's arms.
     """
 
     def __init__(self, *, retarget: Retarget):
@@ -36,7 +37,8 @@ class Retargeting(LeafSystem):
         ):
             self.DeclareVectorOutputPort(name, size, lambda context, output, i=index: self._calc(context, output, i))
         # All four outputs are views of one computation; the last is kept for the other three.
-        self._key, self._result = None, None
+        self._key: tuple[bytes, bytes] | None = None
+        self._result: tuple[np.ndarray, ...] = ()
 
     def _calc(self, context, output, index):
         x, velocity = self._position.Eval(context), self._velocity.Eval(context)

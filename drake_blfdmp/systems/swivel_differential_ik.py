@@ -3,7 +3,8 @@
 import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from drake_blfdmp.robot.differential_ik import IkGains
+from drake_blfdmp.errors import ScenarioError, TaskError
+from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.tracking import DualArmTracker
@@ -42,15 +43,32 @@ class SwivelDifferentialIk(LeafSystem):
         limits: JointLimits,
         initial_position: np.ndarray,
         time_step: float,
-        gains: IkGains = IkGains(),
+        gains: IkGains = DEFAULT_GAINS,
     ):
         """Build the system.
 
         Args:
+            kinematics: of both arms; the system keeps and uses it.
+            limits: of their joints.
             initial_position: (14,) rad.
             time_step: period of the discrete update, s, positive.
+            gains: of the closed loop; a step must not overshoot, so none of them times `time_step` may exceed 1.
+
+        Raises:
+            ScenarioError: `time_step` is not positive, or too large for the gains.
+            TaskError: `initial_position` is not 14 finite angles.
         """
         super().__init__()
+        initial_position = np.asarray(initial_position, dtype=float)
+        if initial_position.shape != (14,) or not np.all(np.isfinite(initial_position)):
+            raise TaskError(f"initial_position of shape {initial_position.shape} must be 14 finite joint angles")
+        fastest = max(gains.pose, gains.swivel, gains.limit_gain)
+        if not 0 < time_step <= 1.0 / fastest:
+            raise ScenarioError(
+                f"time_step of the differential inverse kinematics is {time_step:g} s; choose it above 0 and at most "
+                f"{1.0 / fastest:g} s, or lower its largest gain, {fastest:g} 1/s"
+            )
+        self._limits = limits
         self._tracker = DualArmTracker(kinematics, limits, gains)
         self._time_step = time_step
         self._inputs = [
@@ -58,12 +76,10 @@ class SwivelDifferentialIk(LeafSystem):
             for name, size in (("palm_poses", 14), ("palm_twists", 12), ("swivel", 2), ("swivel_rate", 2))
         ]
         self._measured = self.DeclareVectorInputPort("measured_position", 14)
-        q = self.DeclareDiscreteState(np.asarray(initial_position, dtype=float))
+        q = self.DeclareDiscreteState(initial_position)
         v = self.DeclareDiscreteState(np.zeros(14))
         scale = self.DeclareDiscreteState(np.ones(2))
-        swivel = self.DeclareDiscreteState(
-            np.array([state.swivel for state in kinematics.evaluate(np.asarray(initial_position, dtype=float))])
-        )
+        swivel = self.DeclareDiscreteState(np.array([state.swivel for state in kinematics.evaluate(initial_position)]))
         self.DeclareStateOutputPort("position", q)
         self.DeclareStateOutputPort("velocity", v)
         for arm, name in enumerate(("left", "right")):
@@ -85,8 +101,11 @@ class SwivelDifferentialIk(LeafSystem):
         pose, twist, swivel, swivel_rate = (port.Eval(context) for port in self._inputs)
         q = context.get_discrete_state(0).CopyToVector()
         where = self._measured.Eval(context) if self._measured.HasValue(context) else q
-        q_dot, scale, now = self._tracker.velocity(
-            where, pose.reshape(2, 7), twist.reshape(2, 6), swivel, swivel_rate
-        )
-        for index, value in enumerate((q + self._time_step * q_dot, q_dot, scale, now)):
+        q_dot, scale, now = self._tracker.velocity(where, pose.reshape(2, 7), twist.reshape(2, 6), swivel, swivel_rate)
+        step = q + self._time_step * q_dot
+        if where is not q:
+            # The bounds hold at the measured posture; a blocked arm must not wind the command past its limits.
+            step = np.clip(step, self._limits.lower, self._limits.upper)
+            q_dot = (step - q) / self._time_step
+        for index, value in enumerate((step, q_dot, scale, now)):
             discrete_state.get_mutable_vector(index).SetFromVector(value)

@@ -5,7 +5,7 @@ from pydrake.systems.framework import BasicVector_, LeafSystem_
 from pydrake.systems.scalar_conversion import TemplateSystem
 
 from drake_blfdmp.skill.skill import Skill
-from drake_blfdmp.skill.transformation import nominal_acceleration, step, step_matrices
+from drake_blfdmp.skill.transformation import mean_acceleration, nominal_acceleration, step, step_matrices
 
 
 @TemplateSystem.define("TransformationSystem_")
@@ -28,8 +28,9 @@ def TransformationSystem_(T):
             - nominal_acceleration
 
         Every port has 18 elements, point by point as in `skeleton.POINTS`, x y z each, in m, m/s and m/s^2. The state
-        is (position, velocity), velocity being x' = v / tau. `nominal_acceleration` is x'' without the coupling; it
-        does not depend on the coupling input, so a coupling computed from the outputs closes no algebraic loop.
+        is (position, velocity), velocity being x' = v / tau. `nominal_acceleration` is x'' without the coupling, its
+        mean over the coming step for a discrete state; it does not depend on the coupling input, so a coupling
+        computed from the outputs closes no algebraic loop.
         Template parameters: float, AutoDiffXd, Expression.
         """
 
@@ -87,9 +88,10 @@ def TransformationSystem_(T):
             output.SetFromVector(self._state(context)[1])
 
         def _nominal_acceleration(self, context, x, velocity):
-            return nominal_acceleration(
-                x, self._tau * velocity, self._forcing.Eval(context), self._goal.Eval(context), self._tau, *self._gains
-            )
+            arguments = (x, self._tau * velocity, self._forcing.Eval(context), self._goal.Eval(context), self._tau)
+            if self._time_step > 0:
+                return mean_acceleration(*arguments, self._matrices, self._time_step)
+            return nominal_acceleration(*arguments, *self._gains)
 
         def _calc_nominal_acceleration(self, context, output):
             output.SetFromVector(self._nominal_acceleration(context, *self._state(context)))
@@ -104,6 +106,7 @@ def TransformationSystem_(T):
                 self._coupling_or_zero(context),
                 self._tau,
                 self._matrices,
+                self._time_step,
             )
             discrete_state.get_mutable_vector(0).SetFromVector(x)
             discrete_state.get_mutable_vector(1).SetFromVector(v / self._tau)

@@ -1,0 +1,107 @@
+"""The whole diagram: skill, retargeting, inverse kinematics, and two Frankas with a box."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+
+from drake_blfdmp.diagrams.skill import AddSkill, SkillSystems
+from drake_blfdmp.planning.plan import Plan
+from drake_blfdmp.robot.box import AddBox, AddTable
+from drake_blfdmp.robot.contact import ContactPlantConfig, palm_bodies
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import AddDualPanda, JointLimits, ReadJointLimits, SetJointPd
+from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.skill.sampled import Gains
+from drake_blfdmp.systems.palm_forces import PalmForces
+from drake_blfdmp.systems.retargeting import Retargeting
+from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
+
+
+@dataclass(frozen=True)
+class HoldAndPlace:
+    """The parts that `AddHoldAndPlace` added.
+
+    Attributes:
+        plan: what is carried out.
+        skill: phase to reshaper.
+        retargeting, ik: from points to joints.
+        plant, scene_graph: two arms, a box, tables.
+        arms: model instances, left and right.
+        box: the free body.
+        palm_forces: the monitor of contact forces.
+        limits: of the joints.
+    """
+
+    plan: Plan
+    skill: SkillSystems
+    retargeting: System
+    ik: System
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    arms: tuple[ModelInstanceIndex, ...]
+    box: RigidBody
+    palm_forces: System
+    limits: JointLimits
+
+
+def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
+    """Add and connect everything between the phase and the box; recorders and viewers are the caller's.
+
+    Raises:
+        ScenarioError: the gains are not safe at the scenario's time step.
+    """
+    scenario = plan.scenario
+    plant, scene_graph = AddMultibodyPlant(ContactPlantConfig(scenario.simulation.time_step), builder)
+    arms = AddDualPanda(plant)
+    for table in plan.tables:
+        AddTable(plant, table)
+    box = AddBox(plant, plan.box)
+    plant.Finalize()
+    SetJointPd(plant, arms)
+    limits = ReadJointLimits(plant, arms)
+
+    step = scenario.simulation.skill_time_step
+    skill = AddSkill(
+        builder,
+        plan.task.skill,
+        plan.task.bands,
+        law=scenario.law,
+        gains=Gains(scenario.gains.k_1, scenario.gains.k_2),
+        time_step=step,
+    )
+    retargeting = builder.AddNamedSystem("retargeting", Retargeting(retarget=plan.retarget))
+    ik = builder.AddNamedSystem(
+        "ik",
+        SwivelDifferentialIk(
+            kinematics=DualArmKinematics(), limits=limits, initial_position=plan.reach.start, time_step=step
+        ),
+    )
+    forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))
+    for name in ("position", "velocity"):
+        builder.Connect(skill.transformation.GetOutputPort(name), retargeting.GetInputPort(name))
+    for name in ("palm_poses", "palm_twists", "swivel", "swivel_rate"):
+        builder.Connect(retargeting.GetOutputPort(name), ik.GetInputPort(name))
+    for arm, name in zip(arms, ("left", "right"), strict=True):
+        builder.Connect(ik.GetOutputPort(f"desired_state_{name}"), plant.get_desired_state_input_port(arm))
+    builder.Connect(plant.get_contact_results_output_port(), forces.GetInputPort("contact_results"))
+    return HoldAndPlace(plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits)
+
+
+def SetInitialState(parts: HoldAndPlace, diagram: Diagram, context: Context) -> None:
+    """Put the arms into the plan's first posture and the box where the hands will take it."""
+    plant_context = parts.plant.GetMyMutableContextFromRoot(context)
+    start = np.asarray(parts.plan.reach.start)
+    for arm, q in zip(parts.arms, (start[:7], start[7:]), strict=True):
+        parts.plant.SetPositions(plant_context, arm, q)
+    parts.plant.SetFreeBodyPose(plant_context, parts.box, rigid(parts.plan.start))
+
+
+def MakeHoldAndPlace(plan: Plan) -> tuple[Diagram, HoldAndPlace]:
+    """The diagram alone, without recorders and viewers, for those who take it apart."""
+    builder = DiagramBuilder()
+    parts = AddHoldAndPlace(builder, plan)
+    return builder.Build(), parts

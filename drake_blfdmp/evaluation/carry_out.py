@@ -1,0 +1,199 @@
+"""One whole run: plan, simulate, record, judge, and write its folder."""
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import AffineSystem
+
+from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, HoldAndPlace, SetInitialState
+from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog, PlannedEvents
+from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
+from drake_blfdmp.planning.plan import MakePlan, Plan
+from drake_blfdmp.planning.scenario import DumpScenario, Scenario
+from drake_blfdmp.recording.mcap_recorder import McapRecorder
+from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.robot.description import MakeSceneDescription
+from drake_blfdmp.skeleton import LINKS, POINTS
+from drake_blfdmp.viewing.figures import write_figures
+from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat, write_scene_html
+from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, SkeletonGhost
+
+Progress = Callable[[str, float], None]
+
+GHOST_AT = np.array([1.05, 0.25, 1.35])
+"""Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run left behind."""
+
+    plan: Plan
+    log: RunLog
+    summary: dict
+    folder: Path
+
+
+def MakeRunFolder(folder: Path | None, name: str) -> Path:
+    """Create the run's folder; by default `runs/<name>-<date and time>`, made unique.
+
+    Raises:
+        BlfDmpError: a given folder exists and is not empty, or cannot be made.
+    """
+    try:
+        if folder is not None:
+            folder = Path(folder)
+            if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+                raise BlfDmpError(f"--out {folder}: exists already and is not empty; nothing is overwritten, name another")
+            folder.mkdir(parents=True, exist_ok=True)
+            return folder
+        stamp = time.strftime("%Y%m%d-%H%M%S")
+        for extra in ("", *(f"-{i}" for i in range(2, 1000))):
+            folder = Path("runs") / f"{name}-{stamp}{extra}"
+            try:
+                folder.mkdir(parents=True)
+                return folder
+            except FileExistsError:
+                continue
+    except OSError as error:
+        raise BlfDmpError(f"{folder}: the run's folder cannot be made ({error.strerror})") from error
+    raise BlfDmpError(f"runs/{name}-{stamp}: too many runs in one second; name a folder with --out")
+
+
+def CarryOut(
+    scenario: Scenario,
+    folder: Path | None = None,
+    *,
+    meshcat: Meshcat | None = None,
+    progress: Progress = lambda what, share: None,
+) -> Run:
+    """Plan and simulate a scenario and write its folder.
+
+    Args:
+        folder: must not exist or be empty; by default a new one below `runs/`.
+        meshcat: a running viewer to show the simulation in.
+        progress: called with what is being done and the share of it done.
+
+    Raises:
+        BlfDmpError: one line that says what, where and what to do. Files already written stay.
+    """
+    plan = MakePlan(scenario, progress)
+    folder = MakeRunFolder(folder, scenario.name)
+    (folder / "scenario.yaml").write_text(DumpScenario(scenario), encoding="utf-8")
+    plan.task.skill.save(folder / "skill.json")
+    viewer = meshcat or start_meshcat(port=0)
+    with ExitStack() as stack:
+        log, margins, wall, simulated, recorder = _simulate(plan, folder, viewer, progress, stack)
+        summary = MakeSummary(plan, log, margins, simulated, wall)
+        for name, t in log.events:
+            recorder.Event(name, t)
+        recorder.AddAttachment("scenario.yaml", DumpScenario(scenario), "application/yaml")
+        recorder.AddAttachment("skill.json", (folder / "skill.json").read_bytes(), "application/json")
+        # The clocks differ from run to run, the recording must not.
+        timeless = {key: value for key, value in summary.items() if key != "timing"}
+        recorder.AddAttachment("summary.json", dump(timeless), "application/json")
+    (folder / "summary.json").write_text(dump(summary), encoding="utf-8")
+    progress("drawing figures", 0.0)
+    write_figures(log, folder)
+    progress("drawing figures", 1.0)
+    return Run(plan, log, summary, folder)
+
+
+def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, stack: ExitStack):
+    scenario = plan.scenario
+    builder = DiagramBuilder()
+    parts = AddHoldAndPlace(builder, plan)
+    logger = AddRunLogger(builder, parts)
+    recorder = stack.enter_context(_add_recorder(builder, parts, folder / "run.mcap"))
+    _add_viewer(builder, parts, viewer)
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    context = simulator.get_mutable_context()
+    SetInitialState(parts, diagram, context)
+    viewer.StartRecording(frames_per_second=scenario.simulation.scene_rate_hz, set_visualizations_while_recording=True)
+    end = plan.duration_s
+    started = time.perf_counter()
+    simulator.Initialize()
+    for t in np.append(np.arange(0.1, end, 0.1), end):
+        simulator.AdvanceTo(float(t))
+        progress("simulating", float(t) / end)
+    wall = time.perf_counter() - started
+    viewer.StopRecording()
+    progress("measuring", 0.0)
+    log = MakeRunLog(plan, parts.limits, logger, context)
+    progress("measuring", 1.0)
+    source = "synthetic" if plan.source.recording.synthetic else "recorded"
+    write_scene_html(
+        viewer, folder / "scene.html", title=f"{scenario.name}: law {scenario.law}, {source} person", legend=LEGEND
+    )
+    return log, logger.margins(context), wall, end, recorder
+
+
+def _add_recorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:
+    plan, skill = parts.plan, parts.skill
+    scenario, plant = plan.scenario, parts.plant
+    recorder = McapRecorder.AddToBuilder(
+        filename=path,
+        builder=builder,
+        plant=plant,
+        arms=[plant.GetModelInstanceName(arm) for arm in parts.arms],
+        rate=scenario.simulation.record_rate_hz,
+        robot_description=MakeSceneDescription(plan.box, plan.tables),
+        metadata={
+            "seed": scenario.seed,
+            "synthetic": plan.source.recording.synthetic,
+            "law": scenario.law,
+            **{f"version_{name}": value for name, value in versions().items()},
+            **{f"event_{name}": t for name, t in PlannedEvents(plan)},
+        },
+    )
+    points = [f"{point}_{axis}" for point in POINTS for axis in "xyz"]
+    links = [link.name for link in LINKS]
+    bands = [f"{link}_{row}" for row in ("lower", "upper", "lower_d", "upper_d", "lower_dd", "upper_dd") for link in links]
+    joints = [f"{arm}{joint}" for arm in ("left_", "right_") for joint in range(1, 8)]
+    for name, port, elements, unit in (
+        ("phase", skill.canonical.GetOutputPort("phase"), ["s"], "1"),
+        ("points", skill.transformation.GetOutputPort("position"), points, "m"),
+        ("bands", skill.bands.GetOutputPort("bands"), bands, "m, m/s, m/s^2"),
+        ("barrier", skill.coupler.GetOutputPort("barrier"), links, "1"),
+        ("margin", skill.coupler.GetOutputPort("margin"), links, "1"),
+        ("desired_position", parts.ik.GetOutputPort("position"), joints, "rad"),
+        ("task_scale", parts.ik.GetOutputPort("task_scale"), ["left", "right"], "1"),
+        ("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"),
+    ):
+        builder.Connect(port, recorder.AddVectorInput(name, len(elements), elements, unit))
+    return recorder
+
+
+def _add_viewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) -> None:
+    plan = parts.plan
+    period = 1.0 / plan.scenario.simulation.scene_rate_hz
+    meshcat.Delete()
+    meshcat.DeleteAddedControls()
+    set_scene_camera(meshcat)
+    MeshcatVisualizer.AddToBuilder(
+        builder, parts.scene_graph, meshcat, MeshcatVisualizerParams(publish_period=period, enable_alpha_slider=False)
+    )
+    shift = np.tile(GHOST_AT - plan.retarget.person, 6)
+    ghost = builder.AddNamedSystem(
+        "ghost",
+        AffineSystem(
+            A=np.zeros((0, 0)), B=np.zeros((0, 18)), f0=np.zeros(0), C=np.zeros((18, 0)), D=np.eye(18), y0=shift
+        ),
+    )
+    builder.Connect(parts.skill.transformation.GetOutputPort("position"), ghost.get_input_port())
+    SkeletonDrawer.AddToBuilder(
+        builder,
+        ghost.get_output_port(),
+        SkeletonGhost(meshcat),
+        margin_port=parts.skill.coupler.GetOutputPort("margin"),
+        publish_period=period,
+    )

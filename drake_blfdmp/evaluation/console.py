@@ -1,0 +1,76 @@
+"""What a person sees while a run goes on: a bar a stage, on standard error."""
+
+import sys
+import time
+from typing import TextIO
+
+
+class ProgressBar:
+    """One line a stage, redrawn in place on a terminal, written once at its end elsewhere."""
+
+    def __init__(self, stream: TextIO | None = None, width: int = 28):
+        """Write to `stream`, standard error by default."""
+        self._stream = stream or sys.stderr
+        self._live = self._stream.isatty()
+        self._width = width
+        self._what = ""
+        self._started = 0.0
+        self._drawn = 0.0
+
+    def __call__(self, what: str, share: float) -> None:
+        """Show that `what` is done by `share`, 0 to 1."""
+        now = time.monotonic()
+        if what != self._what:
+            self.finish()
+            self._what, self._started, self._drawn = what, now, 0.0
+            if not self._live:
+                self._stream.write(f"{what} ...\n")
+                self._stream.flush()
+        if self._live and (share >= 1.0 or now - self._drawn > 0.1):
+            done = round(self._width * min(max(share, 0.0), 1.0))
+            bar = "#" * done + "." * (self._width - done)
+            self._stream.write(f"\r{what:<42.42} [{bar}] {now - self._started:5.1f} s")
+            self._stream.flush()
+            self._drawn = now
+        elif not self._live and now - max(self._drawn, self._started) > 10.0:
+            self._stream.write(f"  {100 * share:.0f} % after {now - self._started:.0f} s\n")
+            self._stream.flush()
+            self._drawn = now
+
+    def finish(self) -> None:
+        """End the line of the stage shown last."""
+        if self._what and self._live:
+            self._stream.write("\n")
+            self._stream.flush()
+        self._what = ""
+
+
+def table(summary: dict) -> str:
+    """The short table at the end of a run."""
+    links, box, robot, timing = summary["links"], summary["box"], summary["robot"], summary["timing"]
+    uncoupled = summary["links_uncoupled"]
+    lines = [
+        f"{'link':<16}{'desired':>9}{'uncoupled':>17}{'coupled':>17}{'violations':>12}{'inside after':>14}",
+    ]
+    for name, link in links.items():
+        free = uncoupled[name]
+        inside = link["samples_until_inside"]
+        lines.append(
+            f"{name:<16}{link['desired_m']:>7.3f} m"
+            f"{free['min_m']:>9.3f}-{free['max_m']:.3f} m"
+            f"{link['min_m']:>9.3f}-{link['max_m']:.3f} m"
+            f"{link['violations']:>12d}"
+            f"{'never' if inside is None else f'{inside} samples':>14}"
+        )
+    force = box["squeeze_force_n"]
+    lines += [
+        "",
+        f"box    lifted {box['lifted_m']:.3f} m, placed within {1000 * box['placement_error_m']:.1f} mm, tilt at most "
+        f"{box['max_tilt_deg']:.2f} deg, squeeze {force[0]:.0f}-{force[1]:.0f} N, slip {1000 * box['max_slip_m']:.1f} mm",
+        f"robot  palms follow within {1000 * robot['palm_tracking_rms_m']:.1f} mm rms, joint margin "
+        f"{robot['min_joint_margin_rad']:.2f} rad, effort {100 * robot['max_effort_ratio']:.0f} %, speed "
+        f"{100 * robot['max_velocity_ratio']:.0f} %, clearance {1000 * robot['min_clearance_m']:.0f} mm",
+        f"time   {timing['simulated_s']:.1f} s simulated in {timing['wall_s']:.1f} s: {timing['realtime_rate']:.2f} x "
+        "real time",
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,126 @@
+"""The numbers of `summary.json`: pure functions of arrays. Links in the order of `skeleton.LINKS`."""
+
+import numpy as np
+
+from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.skeleton import LINKS
+from drake_blfdmp.skill.bands import Bands
+from drake_blfdmp.skill.barrier import barrier_derivative, normalised_error
+from drake_blfdmp.skill.geometry import link_states
+from drake_blfdmp.skill.rollout import Rollout
+from drake_blfdmp.skill.sampled import Gains
+
+RECORDING_RATE = 30.0
+"""Samples a second by which the paper counts: a Kinect's."""
+
+
+def rms_distance(a, b) -> float:
+    """Root mean square over samples and points of the distance between points (N, P, 3), m."""
+    return float(np.sqrt(np.mean(np.sum((np.asarray(a) - np.asarray(b)) ** 2, axis=-1))))
+
+
+def samples_until_inside(t, lengths, lower, upper, rate: float = RECORDING_RATE):
+    """How many recording samples pass until a length is inside its band for good; None where it never is.
+
+    Args:
+        t: (N,) s; lengths, lower, upper: (N,) m; rate: samples a second.
+    """
+    outside = np.flatnonzero((lengths <= lower) | (lengths >= upper))
+    if len(outside) == 0:
+        return 0
+    if outside[-1] == len(t) - 1:
+        return None
+    return int(np.ceil(round(float(t[outside[-1] + 1] * rate), 6)))
+
+
+def link_metrics(rollout: Rollout, bands: Bands, held_at: float) -> dict[str, dict]:
+    """One entry a link: desired length while held, range, violations of the funnel, and how soon the paper's band is met.
+
+    Args:
+        rollout: any rollout of the task, with or without coupling.
+        bands: the funnel; `bands.paper()` is what (13) and (20) print.
+        held_at: a time at which the box is held, s.
+    """
+    lengths = rollout.lengths
+    funnel, paper = bands.evaluate(rollout.t), bands.paper().evaluate(rollout.t)
+    middle, half = 0.5 * (funnel[:, 0] + funnel[:, 1]), 0.5 * (funnel[:, 1] - funnel[:, 0])
+    excess = np.abs(lengths - middle) - half
+    desired = bands.desired(held_at)[0]
+    return {
+        link.name: {
+            "desired_m": float(desired[i]),
+            "min_m": float(lengths[:, i].min()),
+            "max_m": float(lengths[:, i].max()),
+            "violations": int(np.sum(excess[:, i] >= 0)),
+            "largest_excess_m": float(max(0.0, excess[:, i].max())),
+            "samples_until_inside": samples_until_inside(rollout.t, lengths[:, i], paper[:, 0, i], paper[:, 1, i]),
+            "min_margin": float(np.min(-excess[:, i] / half[:, i])),
+        }
+        for i, link in enumerate(LINKS)
+    }
+
+
+def largest_barrier_derivative(rollout: Rollout, gains: Gains) -> float:
+    """The largest V' of any link along a coupled rollout, 1/s: negative or zero where the law holds everywhere."""
+    rho, rho_dot, _, _ = link_states(rollout.x, rollout.velocity)
+    xi, xi_dot = normalised_error(rho, rho_dot, rollout.bands)
+    return float(barrier_derivative(xi, xi_dot, gains.k_1, gains.k_2).max())
+
+
+def robot_metrics(log: RunLog) -> dict[str, float]:
+    """How far the arms stay from their limits, and how well the palms follow the plan."""
+    return {
+        "min_joint_margin_rad": float(np.minimum(log.q - log.q_lower, log.q_upper - log.q).min()),
+        "max_velocity_ratio": float((np.abs(log.v) / log.v_limit).max()),
+        "max_effort_ratio": float((np.abs(log.effort) / log.effort_limit).max()),
+        "min_clearance_m": float(log.clearance.min()),
+        "palm_tracking_rms_m": rms_distance(log.palm[..., 4:], log.palm_desired[..., 4:]),
+    }
+
+
+def up_axis(pose):
+    """The z axis (..., 3) of poses (..., 7) qw qx qy qz x y z."""
+    w, x, y, z = np.moveaxis(np.asarray(pose)[..., :4], -1, 0)
+    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)
+
+
+def tilt_deg(pose, desired):
+    """The angle between the boxes' up axes, degrees: (...)."""
+    return np.rad2deg(np.arccos(np.clip(np.sum(up_axis(pose) * up_axis(desired), axis=-1), -1.0, 1.0)))
+
+
+def slip(palm, box):
+    """How far the box has slid along each palm's face since the first sample: (N, 2), m.
+
+    Args:
+        palm: (N, 2, 7) X_WP; box: (N, 7) X_WB.
+    """
+    offset = box[:, None, 4:] - palm[..., 4:]
+    w, x, y, z = np.moveaxis(palm[..., :4], -1, 0)
+    along_x = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=-1)
+    along_y = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=-1)
+    face = np.stack([np.sum(offset * along_x, axis=-1), np.sum(offset * along_y, axis=-1)], axis=-1)
+    return np.linalg.norm(face - face[:1], axis=-1)
+
+
+def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: float) -> dict:
+    """What happened to the box.
+
+    Args:
+        held: when it is squeezed, s.
+        goal: (7,) where the plan puts it.
+        start_height: of its centre before the grasp, m.
+    """
+    inside = (log.t >= held[0]) & (log.t <= held[1])
+    force = log.palm_force[inside]
+    gripped = force.min(axis=1) if len(force) else np.zeros(1)
+    end = log.box[-1, 4:]
+    error = float(np.linalg.norm(end - np.asarray(goal)[4:]))
+    return {
+        "lifted_m": float(log.box[:, 6].max() - start_height),
+        "placement_error_m": error,
+        "max_tilt_deg": float(tilt_deg(log.box, log.box_desired).max()),
+        "dropped": bool(gripped.min() <= 0.0),
+        "max_slip_m": float(slip(log.palm[inside], log.box[inside]).max()) if inside.any() else 0.0,
+        "squeeze_force_n": [float(force.min()), float(force.max())] if len(force) else [0.0, 0.0],
+    }

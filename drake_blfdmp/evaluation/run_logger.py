@@ -1,0 +1,136 @@
+"""What is logged while the diagram runs, and the `RunLog` made of it afterwards."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.systems.framework import Context, DiagramBuilder
+from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
+
+from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
+from drake_blfdmp.planning.plan import Plan
+from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import JointLimits
+from drake_blfdmp.robot.reach import rigid
+from pydrake.math import RotationMatrix
+
+
+@dataclass(frozen=True)
+class RunLogger:
+    """The log sinks of one diagram, by signal."""
+
+    sinks: dict[str, VectorLogSink]
+    every_step: VectorLogSink
+
+    def log(self, name: str, context: Context) -> np.ndarray:
+        """The samples (N, size) of a signal."""
+        return np.array(self.sinks[name].FindLog(context).data().T)
+
+    def times(self, context: Context) -> np.ndarray:
+        """The sample times (N,), s."""
+        return np.array(self.sinks["phase"].FindLog(context).sample_times())
+
+    def margins(self, context: Context) -> np.ndarray:
+        """1 - |xi| of every link at every step of the skill: (M, 5)."""
+        return np.array(self.every_step.FindLog(context).data().T)
+
+
+def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
+    """Log at the scenario's recording rate, and the links' margins at every step of the skill."""
+    simulation = parts.plan.scenario.simulation
+    period = 1.0 / simulation.record_rate_hz
+    left, right = parts.arms
+    plant, skill = parts.plant, parts.skill
+    ports = {
+        "phase": skill.canonical.GetOutputPort("phase"),
+        "position": skill.transformation.GetOutputPort("position"),
+        "bands": skill.bands.GetOutputPort("bands"),
+        "barrier": skill.coupler.GetOutputPort("barrier"),
+        "palm_poses": parts.retargeting.GetOutputPort("palm_poses"),
+        "swivel": parts.retargeting.GetOutputPort("swivel"),
+        "q_desired": parts.ik.GetOutputPort("position"),
+        "task_scale": parts.ik.GetOutputPort("task_scale"),
+        "left_state": plant.get_state_output_port(left),
+        "right_state": plant.get_state_output_port(right),
+        "left_effort": plant.get_net_actuation_output_port(left),
+        "right_effort": plant.get_net_actuation_output_port(right),
+        "box_state": plant.get_state_output_port(parts.box.model_instance()),
+        "palm_force": parts.palm_forces.get_output_port(),
+    }
+    sinks = {name: LogVectorOutput(port, builder, period) for name, port in ports.items()}
+    every_step = LogVectorOutput(skill.coupler.GetOutputPort("margin"), builder, simulation.skill_time_step)
+    return RunLogger(sinks, every_step)
+
+
+def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Context) -> RunLog:
+    """Everything that metrics and figures need, from the sinks of a finished (or interrupted) run."""
+    t = logger.times(context)
+    n = len(t)
+    bands = logger.log("bands", context).reshape(n, 6, 5)
+    left, right = logger.log("left_state", context), logger.log("right_state", context)
+    q, v = np.hstack([left[:, :7], right[:, :7]]), np.hstack([left[:, 7:], right[:, 7:]])
+    box = logger.log("box_state", context)[:, :7]
+    index = np.minimum(np.round(t / plan.scenario.simulation.skill_time_step).astype(int), len(plan.coupled.t) - 1)
+    palm, swivel = _kinematics(q)
+    motion, stretch = plan.task.motion, plan.stretch
+    demonstrated = np.stack(
+        [np.interp(t, motion.t * stretch, column) for column in motion.x.reshape(len(motion.t), 18).T], axis=-1
+    )
+    return RunLog(
+        t=t,
+        phase=logger.log("phase", context)[:, 0],
+        position=logger.log("position", context).reshape(n, 6, 3),
+        uncoupled=plan.uncoupled.x[index],
+        demonstrated=demonstrated.reshape(n, 6, 3),
+        lower=bands[:, 0],
+        upper=bands[:, 1],
+        desired=0.5 * (bands[:, 0] + bands[:, 1]),
+        barrier=logger.log("barrier", context),
+        q=q,
+        q_desired=logger.log("q_desired", context),
+        v=v,
+        effort=np.hstack([logger.log("left_effort", context), logger.log("right_effort", context)]),
+        q_lower=limits.lower,
+        q_upper=limits.upper,
+        v_limit=limits.velocity,
+        effort_limit=limits.effort,
+        palm=palm,
+        palm_desired=logger.log("palm_poses", context).reshape(n, 2, 7),
+        swivel=swivel,
+        swivel_desired=logger.log("swivel", context),
+        palm_force=logger.log("palm_force", context),
+        box=box,
+        box_desired=plan.planned_box()[index],
+        clearance=_clearances(plan, q, box),
+        events=PlannedEvents(plan),
+    )
+
+
+def PlannedEvents(plan: Plan) -> tuple[tuple[str, float], ...]:
+    """The task's phases by the plan's clock: (name, time in s)."""
+    hands, events = plan.task.bands.hands, plan.task.skill.events
+    grasped, released = plan.task.held
+    return (
+        ("close", float(hands.close_s)),
+        ("hold", float(grasped)),
+        ("carry", float(events["grasp_end"])),
+        ("set down", float(events["release"])),
+        ("open", float(released)),
+        ("released", float(released + hands.duration_s)),
+    )
+
+
+def _kinematics(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    kinematics = DualArmKinematics()
+    palm, swivel = np.empty((len(q), 2, 7)), np.empty((len(q), 2))
+    for k, posture in enumerate(q):
+        for arm, state in enumerate(kinematics.evaluate(posture)):
+            palm[k, arm, :4], palm[k, arm, 4:] = RotationMatrix(state.rotation).ToQuaternion().wxyz(), state.position
+            swivel[k, arm] = state.swivel
+    return palm, swivel
+
+
+def _clearances(plan: Plan, q: np.ndarray, box: np.ndarray) -> np.ndarray:
+    checker = ClearanceChecker(plan.tables, plan.box)
+    return np.array([checker.min_clearance(posture, rigid(pose))[0] for posture, pose in zip(q, box, strict=True)])

@@ -1,0 +1,59 @@
+"""When a run counts as a success: the stated thresholds, and a sentence for each that is missed."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What a successful run keeps.
+
+    Attributes:
+        lifted_m: the box's centre rises at least this much.
+        placement_m: it ends at most this far from where the plan puts it.
+        tilt_deg: its up axis never leaves the plan's by more than this.
+    """
+
+    lifted_m: float = 0.10
+    placement_m: float = 0.010
+    tilt_deg: float = 5.0
+
+
+def find_failures(summary: dict, thresholds: Thresholds = Thresholds()) -> list[str]:
+    """One sentence for every threshold that a summary misses; an empty list is success.
+
+    Args:
+        summary: with the entries `links`, `robot` and `box` of `summary.json`.
+    """
+    box, robot = summary["box"], summary["robot"]
+    failures = []
+    if box["dropped"]:
+        failures.append("The box was dropped: a palm lost contact while it should have been held.")
+    if box["lifted_m"] < thresholds.lifted_m:
+        failures.append(
+            f"The box was lifted by {box['lifted_m']:.3f} m only, less than {thresholds.lifted_m:.2f} m: the planned "
+            f"motion rises by {summary['plan']['lift_m']:.3f} m."
+        )
+    if box["placement_error_m"] > thresholds.placement_m:
+        failures.append(
+            f"The box ended {1000 * box['placement_error_m']:.1f} mm from where the plan puts it, more than "
+            f"{1000 * thresholds.placement_m:.0f} mm."
+        )
+    if box["max_tilt_deg"] > thresholds.tilt_deg:
+        failures.append(f"The box tilted by {box['max_tilt_deg']:.1f} degrees, more than {thresholds.tilt_deg:.0f}.")
+    for name, link in summary["links"].items():
+        if link["violations"]:
+            failures.append(
+                f"The link {name} left its band at {link['violations']} steps, by up to "
+                f"{1000 * link['largest_excess_m']:.1f} mm."
+            )
+    if robot["min_joint_margin_rad"] < 0:
+        failures.append(f"A joint passed its limit by {-robot['min_joint_margin_rad']:.3f} rad.")
+    if robot["max_velocity_ratio"] > 1:
+        failures.append(f"A joint moved at {robot['max_velocity_ratio']:.2f} times its velocity limit.")
+    if robot["max_effort_ratio"] >= 1:
+        failures.append(f"An actuator needed {robot['max_effort_ratio']:.2f} times its effort limit.")
+    if robot["min_clearance_m"] <= 0:
+        failures.append(
+            f"Bodies that must not touch overlapped by {-1000 * robot['min_clearance_m']:.1f} mm (arms, tables, box)."
+        )
+    return failures

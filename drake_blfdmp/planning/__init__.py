@@ -1,0 +1,8 @@
+"""From a scenario to a plan: every number a diagram needs.
+
+- `scenario`: the typed description of a run, from and to YAML.
+- `sources`: the scenario's recording, cleaned, in the torso frame, with its held interval.
+- `task`: the motion on the task's clock, the skill, the bands.
+- `supports`: the tables, and the shift that makes room for them.
+- `plan`: all of it in order, `MakePlan`.
+"""

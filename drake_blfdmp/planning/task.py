@@ -1,0 +1,139 @@
+"""The task's motion, skill and bands, from a source and a scenario."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drake_blfdmp.demonstration.timing import TaskMotion, task_motion
+from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.planning.sources import Source
+from drake_blfdmp.skill.bands import Bands, make_bands
+from drake_blfdmp.skill.laws import law
+from drake_blfdmp.skill.learning import learn_skill
+from drake_blfdmp.skill.profiles import HandDistance, smooth_step
+from drake_blfdmp.skill.rollout import Rollout, roll_out
+from drake_blfdmp.skill.sampled import Gains
+from drake_blfdmp.skill.skill import Skill
+
+CLOSING_SHARE = 0.7
+"""Share of the dwell at the grasp in which the hands close; the rest is rest on either side."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A skill with its bands.
+
+    Attributes:
+        motion: what the skill was learned from.
+        skill, bands: to carry out.
+        box_width: m.
+    """
+
+    motion: TaskMotion
+    skill: Skill
+    bands: Bands
+    box_width: float
+
+    @property
+    def held(self) -> tuple[float, float]:
+        """When the box is squeezed: from the end of closing to the beginning of opening, s."""
+        hands = self.bands.hands
+        if not isinstance(hands, HandDistance):
+            raise TypeError("a task's hands open and close")
+        return hands.close_s + hands.duration_s, hands.open_s
+
+
+def MakeMotion(scenario: Scenario, source: Source) -> TaskMotion:
+    """The source's motion on the task's clock."""
+    motion = task_motion(source.demonstration, source.holding, scenario.timing, scenario.learning.cutoff_hz)
+    return Centred(motion)
+
+
+def Centred(motion: TaskMotion) -> TaskMotion:
+    """The motion with the hands' middle kept in the box's plane of symmetry before the grasp and after the release.
+
+    A person clears a box with each hand on its own; the law opens both hands by the same amount about their middle. So
+    the middle's excursion along the box's width is taken out where the hands are open, for all points alike.
+    """
+    middle = 0.5 * (motion.x[:, 2] + motion.x[:, 5])
+    x = motion.x.copy()
+    for event, before in (("grasp", True), ("release_end", False)):
+        k = int(np.clip(np.searchsorted(motion.t, motion.events[event]), 0, len(motion.t) - 1))
+        line = x[k, 5, :2] - x[k, 2, :2]
+        line = line / np.linalg.norm(line)
+        excursion = (middle[:, :2] - middle[k, :2]) @ line
+        excursion[k:] *= not before
+        excursion[:k] *= before
+        x[:, :, :2] -= excursion[:, None, None] * line
+    return replace(motion, x=x)
+
+
+def Shifted(motion: TaskMotion, shift, window: tuple[float, float]) -> TaskMotion:
+    """The motion with all points moved by `shift` (3,), m, smoothly from the window's first time to its second, s."""
+    share = smooth_step((motion.t - window[0]) / (window[1] - window[0]))[0]
+    return replace(motion, x=motion.x + share[:, None, None] * np.asarray(shift))
+
+
+def Raised(motion: TaskMotion, height: float, window: tuple[float, float]) -> TaskMotion:
+    """The motion with all points raised by `height`, m, in the middle of a window of times, s, and smoothly back."""
+    u = np.clip((motion.t - window[0]) / (window[1] - window[0]), 0.0, 1.0)
+    bump = smooth_step(3.0 * u)[0] * smooth_step(3.0 * (1.0 - u))[0]
+    return replace(motion, x=motion.x + (height * bump)[:, None, None] * np.array([0.0, 0.0, 1.0]))
+
+
+def MakeTask(scenario: Scenario, source: Source, motion: TaskMotion, stretch: float = 1.0) -> Task:
+    """Learn the motion and lay the bands around it.
+
+    Args:
+        stretch: the skill takes this much longer than the motion.
+
+    Raises:
+        SkillError, ScenarioError: settings that learning or the bands refuse.
+    """
+    learning, bands = scenario.learning, scenario.bands
+    skill = learn_skill(
+        motion.t,
+        motion.x,
+        basis_functions=learning.basis_functions,
+        method=learning.method,
+        alpha_z=learning.alpha_z,
+        events={name: float(t) for name, t in motion.events.items()},
+        source=source.recording.source,
+    )
+    if stretch != 1.0:
+        skill = replace(skill.with_duration(skill.tau * stretch), alpha_z=skill.alpha_z, beta_z=skill.beta_z)
+    events, width = skill.events, source.dimensions.box_width
+    closing = CLOSING_SHARE * (events["grasp_end"] - events["grasp"])
+    wait = 0.5 * (events["grasp_end"] - events["grasp"] - closing)
+    hands = HandDistance(
+        open_m=width + 2.0 * scenario.task.clearance,
+        closed_m=width - 2.0 * scenario.task.squeeze,
+        close_s=events["grasp"] + wait,
+        open_s=events["release"] + wait,
+        duration_s=closing,
+    )
+    funnel = make_bands(
+        source.dimensions.upper_arm,
+        source.dimensions.forearm,
+        hands,
+        bone_half_width=bands.bone_half_width,
+        hands_half_width=bands.hands_half_width,
+        hands_funnel=bands.hands_funnel,
+        rate=bands.rate,
+    ).opened_to(skill.start)
+    return Task(motion=motion, skill=skill, bands=funnel, box_width=width)
+
+
+def RollOutTask(scenario: Scenario, task: Task, *, coupled: bool = True) -> Rollout:
+    """The task's skill at the scenario's time step, with the scenario's law or uncoupled, with the tail after it."""
+    step = scenario.simulation.skill_time_step
+    gains = Gains(scenario.gains.k_1, scenario.gains.k_2)
+    gains.check(step)
+    return roll_out(
+        task.skill,
+        time_step=step,
+        duration=task.skill.tau + scenario.task.tail,
+        bands=task.bands if coupled else None,
+        law=law(scenario.law),
+        gains=gains,
+    )

@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+from pydrake.autodiffutils import AutoDiffXd
+from pydrake.symbolic import Expression, Variable
+
+from drake_blfdmp.demonstration.modelled_person import hold_and_place
+from drake_blfdmp.skill.canonical import phase_at
+from drake_blfdmp.skill.learning import learn_skill
+from drake_blfdmp.systems.forcing_term import ForcingTerm, ForcingTerm_
+
+
+@pytest.fixture(scope="module")
+def skill():
+    return learn_skill(*hold_and_place(), basis_functions=12)
+
+
+def test_ports(skill):
+    system = ForcingTerm(skill=skill)
+    assert (system.num_input_ports(), system.num_output_ports()) == (1, 1)
+    assert system.GetInputPort("phase").size() == 1
+    assert system.GetOutputPort("forcing").size() == 18
+    assert system.HasAnyDirectFeedthrough()
+
+
+@pytest.mark.parametrize("time_step", [0.0, 0.05])
+@pytest.mark.parametrize("t", [0.0, 1.3, 8.0])
+def test_the_forcing_is_the_skills_half_a_step_ahead(skill, time_step, t):
+    system = ForcingTerm(skill=skill, time_step=time_step)
+    context = system.CreateDefaultContext()
+    system.GetInputPort("phase").FixValue(context, phase_at(t, skill.tau, skill.gamma))
+    want = skill.forcing(phase_at(t + 0.5 * time_step, skill.tau, skill.gamma))
+    np.testing.assert_allclose(system.GetOutputPort("forcing").Eval(context), want, rtol=1e-12)
+
+
+def test_the_elements_are_ordered_point_by_point(skill):
+    one = np.zeros((12, 6, 3))
+    one[:, 4, 2] = 1.0
+    system = ForcingTerm(skill=type(skill)(**(vars(skill) | {"weights": one})))
+    context = system.CreateDefaultContext()
+    system.GetInputPort("phase").FixValue(context, 0.5)
+    np.testing.assert_allclose(system.GetOutputPort("forcing").Eval(context), 0.5 * (np.arange(18) == 14), atol=1e-14)
+
+
+def test_the_autodiff_gradient_is_the_derivative(skill):
+    system = ForcingTerm(skill=skill).ToAutoDiffXd()
+    assert isinstance(system, ForcingTerm_[AutoDiffXd])
+    context = system.CreateDefaultContext()
+    system.GetInputPort("phase").FixValue(context, np.array([AutoDiffXd(0.4, [1.0])]))
+    gradient = [f.derivatives()[0] for f in system.GetOutputPort("forcing").Eval(context)]
+    h = 1e-6
+    np.testing.assert_allclose(
+        gradient, (skill.forcing(0.4 + h) - skill.forcing(0.4 - h)) / (2 * h), rtol=1e-5, atol=1e-5
+    )
+
+
+def test_the_symbolic_forcing_evaluates_to_the_same(skill):
+    system = ForcingTerm(skill=skill).ToSymbolic()
+    s = Variable("s")
+    context = system.CreateDefaultContext()
+    system.GetInputPort("phase").FixValue(context, np.array([Expression(s)]))
+    values = [f.Evaluate({s: 0.3}) for f in system.GetOutputPort("forcing").Eval(context)]
+    np.testing.assert_allclose(values, skill.forcing(0.3), rtol=1e-12)

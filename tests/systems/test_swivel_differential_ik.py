@@ -1,0 +1,202 @@
+"""Differential inverse kinematics as a system: ports, the update against the tracker, measured positions, refusals."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+from scipy.spatial.transform import Rotation
+
+from drake_blfdmp.errors import ScenarioError, TaskError
+from drake_blfdmp.robot.differential_ik import IkGains
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import ARMS, HOME, MakeKinematicPlant, ReadJointLimits
+from drake_blfdmp.robot.swivel import wrap
+from drake_blfdmp.robot.tracking import DualArmTracker
+from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
+
+PLANT = MakeKinematicPlant()
+LIMITS = ReadJointLimits(PLANT, [PLANT.GetModelInstanceByName(arm) for arm in ARMS])
+KINEMATICS = DualArmKinematics(PLANT)
+START = np.tile(HOME, 2) + np.array([0.1, 0, -0.2, 0, 0.15, 0, 0, -0.1, 0, 0.2, 0, -0.15, 0, 0])
+DT = 0.01
+OUTPUTS = {
+    "position": 14,
+    "velocity": 14,
+    "desired_state_left": 14,
+    "desired_state_right": 14,
+    "task_scale": 2,
+    "swivel_now": 2,
+}
+
+
+def goal(shift=(0.03, 0.02, -0.04), twist=0.1, swing=0.2):
+    """Palm poses (2, 7), twists (2, 6), swivel angles and rates (2,) a little away from START."""
+    states = KINEMATICS.evaluate(START)
+    pose = np.array([[*np.roll(Rotation.from_matrix(s.rotation).as_quat(), 1), *s.position] for s in states])
+    pose[:, 4:] += shift
+    swivel = np.array([s.swivel for s in states]) + swing
+    return pose, np.full((2, 6), twist) * np.array([[1.0], [-0.5]]), swivel, np.array([0.1, -0.05])
+
+
+def make(**changes):
+    arguments = {"kinematics": KINEMATICS, "limits": LIMITS, "initial_position": START, "time_step": DT} | changes
+    return SwivelDifferentialIk(**arguments)
+
+
+def fix(system, context, values):
+    for name, value in zip(("palm_poses", "palm_twists", "swivel", "swivel_rate"), values, strict=True):
+        system.GetInputPort(name).FixValue(context, np.ravel(value))
+
+
+def outputs(system, context):
+    return {name: system.GetOutputPort(name).Eval(context).copy() for name in OUTPUTS}
+
+
+def update(system, context):
+    context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))
+
+
+@pytest.fixture
+def system():
+    return make()
+
+
+def test_ports_have_their_names_and_sizes_and_no_output_needs_an_input(system):
+    inputs = [system.get_input_port(i) for i in range(system.num_input_ports())]
+    assert [(port.get_name(), port.size()) for port in inputs] == [
+        ("palm_poses", 14),
+        ("palm_twists", 12),
+        ("swivel", 2),
+        ("swivel_rate", 2),
+        ("measured_position", 14),
+    ]
+    ports = [system.get_output_port(i) for i in range(system.num_output_ports())]
+    assert {port.get_name(): port.size() for port in ports} == OUTPUTS
+    assert not system.HasAnyDirectFeedthrough()
+
+
+def test_it_starts_at_rest_at_the_initial_position(system):
+    values = outputs(system, system.CreateDefaultContext())
+    np.testing.assert_array_equal(values["position"], START)
+    np.testing.assert_array_equal(values["velocity"], 0.0)
+    np.testing.assert_array_equal(values["task_scale"], 1.0)
+    np.testing.assert_allclose(values["swivel_now"], [s.swivel for s in KINEMATICS.evaluate(START)])
+
+
+def test_the_update_is_one_step_of_the_tracker(system):
+    context, values = system.CreateDefaultContext(), goal()
+    fix(system, context, values)
+    tracker, q = DualArmTracker(KINEMATICS, LIMITS), START
+    for _ in range(5):
+        update(system, context)
+        q_dot, scale, now = tracker.velocity(q, *values)
+        q = q + DT * q_dot
+        got = outputs(system, context)
+        np.testing.assert_allclose(got["position"], q, atol=1e-13)
+        np.testing.assert_allclose(got["velocity"], q_dot, atol=1e-13)
+        np.testing.assert_array_equal(got["task_scale"], scale)
+        np.testing.assert_allclose(got["swivel_now"], now)
+    assert np.abs(q - START).max() > 0.01
+
+
+def test_desired_states_are_positions_then_velocities_of_one_arm(system):
+    context = system.CreateDefaultContext()
+    fix(system, context, goal())
+    update(system, context)
+    got = outputs(system, context)
+    for name, joints in (("left", slice(0, 7)), ("right", slice(7, 14))):
+        state = got[f"desired_state_{name}"]
+        np.testing.assert_array_equal(state[:7], got["position"][joints])
+        np.testing.assert_array_equal(state[7:], got["velocity"][joints])
+    assert np.abs(got["velocity"]).min() > 0  # so that a mix-up of the halves would show
+
+
+def test_a_simulator_updates_it_at_its_period_and_brings_the_palms_home(system):
+    simulator = Simulator(system)
+    context = simulator.get_mutable_context()
+    pose, twist, swivel, rate = goal(twist=0.0)
+    fix(system, context, (pose, twist, swivel, 0 * rate))
+    by_hand = system.CreateDefaultContext()
+    fix(system, by_hand, (pose, twist, swivel, 0 * rate))
+    # Updates at 0, DT, 2 DT; what happens at the final time is done by the next AdvanceTo.
+    simulator.AdvanceTo(2.5 * DT)
+    for _ in range(3):
+        update(system, by_hand)
+    np.testing.assert_array_equal(outputs(system, context)["position"], outputs(system, by_hand)["position"])
+    simulator.AdvanceTo(3.0)
+    for arm, state in enumerate(KINEMATICS.evaluate(outputs(system, context)["position"])):
+        np.testing.assert_allclose(state.position, pose[arm, 4:], atol=1e-5)
+        assert wrap(state.swivel - swivel[arm]) == pytest.approx(0.0, abs=2e-3)
+
+
+def test_two_contexts_share_nothing(system):
+    """The system keeps one plant context for its kinematics; it must hold no state of the loop."""
+    goals = goal(), goal((-0.05, 0.0, 0.05), -0.2, -0.3)
+    alone = []
+    for values in goals:
+        context = system.CreateDefaultContext()
+        fix(system, context, values)
+        for _ in range(4):
+            update(system, context)
+        alone.append(outputs(system, context)["position"])
+    contexts = [system.CreateDefaultContext() for _ in goals]
+    for context, values in zip(contexts, goals, strict=True):
+        fix(system, context, values)
+    for _ in range(4):
+        for context in contexts:
+            update(system, context)
+    for context, wanted in zip(contexts, alone, strict=True):
+        np.testing.assert_array_equal(outputs(system, context)["position"], wanted)
+    assert np.abs(alone[0] - alone[1]).max() > 0.01
+
+
+def test_a_measured_position_is_where_the_kinematics_are_but_the_command_goes_on_from_itself(system):
+    context, values = system.CreateDefaultContext(), goal()
+    fix(system, context, values)
+    measured = START + 0.03
+    system.GetInputPort("measured_position").FixValue(context, measured)
+    update(system, context)
+    q_dot, _, now = DualArmTracker(KINEMATICS, LIMITS).velocity(measured, *values)
+    got = outputs(system, context)
+    np.testing.assert_allclose(got["velocity"], q_dot, atol=1e-13)
+    np.testing.assert_allclose(got["position"], START + DT * q_dot, atol=1e-13)
+    np.testing.assert_allclose(got["swivel_now"], now)
+    assert np.abs(q_dot - DualArmTracker(KINEMATICS, LIMITS).velocity(START, *values)[0]).max() > 1e-3
+
+
+def test_a_blocked_arm_does_not_wind_the_command_past_its_limits(system):
+    context = system.CreateDefaultContext()
+    fix(system, context, goal((0.0, 0.2, 0.2), 0.0))
+    system.GetInputPort("measured_position").FixValue(context, START)
+    for _ in range(400):
+        before = outputs(system, context)["position"]
+        update(system, context)
+    got = outputs(system, context)
+    assert np.any(np.isclose(got["position"], LIMITS.lower) | np.isclose(got["position"], LIMITS.upper))
+    assert np.all(got["position"] >= LIMITS.lower)
+    assert np.all(got["position"] <= LIMITS.upper)
+    np.testing.assert_allclose(got["velocity"], (got["position"] - before) / DT, atol=1e-9)
+
+
+def test_the_share_that_limits_let_through_is_reported(system):
+    context = system.CreateDefaultContext()
+    pose, twist, swivel, rate = goal()
+    pose[1, 4:] += [0.0, 1.5, 0.5]  # Far beyond what the right arm can do in one step.
+    fix(system, context, (pose, twist, swivel, rate))
+    update(system, context)
+    left, right = outputs(system, context)["task_scale"]
+    assert left == 1.0
+    assert right < 0.9
+
+
+@pytest.mark.parametrize("time_step", [0.0, -0.01, 0.06, float("nan")])
+def test_a_time_step_that_cannot_work_is_refused(time_step):
+    with pytest.raises(ScenarioError, match=r"time_step.*at most 0\.05 s, or lower its largest gain, 20") as error:
+        make(time_step=time_step)
+    assert "\n" not in str(error.value)
+    make(time_step=0.06, gains=IkGains(pose=15.0))
+
+
+@pytest.mark.parametrize("initial_position", [START[:7], np.full(14, np.nan), np.zeros((2, 7))])
+def test_an_initial_position_that_is_none_is_refused(initial_position):
+    with pytest.raises(TaskError, match="14 finite joint angles"):
+        make(initial_position=initial_position)
