@@ -26,7 +26,7 @@ from drake_blfdmp.skeleton import HANDS
 
 _SHOULDERS, _WRISTS = [0, 3], [2, 5]  # Left, right.
 _CUTOFF_HZ = 3.0  # Of the distance; what is above is no movement of a person.
-_REST_CUTOFF_HZ = 1.5  # Of speeds and heights.
+_REST_CUTOFF_HZ = 1.0  # Of speeds and heights: a rest, not a turning point of the noise.
 _STEP_S = 1.0 / 15.0
 _MOST_SAMPLES = 900  # All pairs are tried; a longer recording gets a coarser clock.
 _BODY_WOBBLE = 0.01  # m; bones between markers on skin vary so much for a perfect sensor.

@@ -28,7 +28,7 @@ from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, Skeleto
 
 Progress = Callable[[str, float], None]
 
-GHOST_AT = np.array([1.05, 0.25, 1.35])
+GHOST_AT = np.array([0.85, 0.0, 1.35])
 """Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
 
 

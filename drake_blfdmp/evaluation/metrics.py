@@ -1,8 +1,10 @@
 """The numbers of `summary.json`: pure functions of arrays. Links in the order of `skeleton.LINKS`."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.robot.retargeting import up_axis
 from drake_blfdmp.skeleton import LINKS
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.barrier import barrier_derivative, normalised_error
@@ -78,38 +80,34 @@ def robot_metrics(log: RunLog) -> dict[str, float]:
     }
 
 
-def up_axis(pose):
-    """The z axis (..., 3) of poses (..., 7) qw qx qy qz x y z."""
-    w, x, y, z = np.moveaxis(np.asarray(pose)[..., :4], -1, 0)
-    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)
-
-
 def tilt_deg(pose, desired):
     """The angle between the boxes' up axes, degrees: (...)."""
     return np.rad2deg(np.arccos(np.clip(np.sum(up_axis(pose) * up_axis(desired), axis=-1), -1.0, 1.0)))
 
 
-def slip(palm, box):
-    """How far the box has slid along each palm's face since the first sample: (N, 2), m.
+def slip(palm, box, width: float):
+    """How far the middle of each of the box's faces has slid along its palm since the first sample: (N, 2), m.
 
     Args:
-        palm: (N, 2, 7) X_WP; box: (N, 7) X_WB.
+        palm: (N, 2, 7) X_WP; box: (N, 7) X_WB; width: of the box, m.
     """
-    offset = box[:, None, 4:] - palm[..., 4:]
-    w, x, y, z = np.moveaxis(palm[..., :4], -1, 0)
-    along_x = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=-1)
-    along_y = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=-1)
-    face = np.stack([np.sum(offset * along_x, axis=-1), np.sum(offset * along_y, axis=-1)], axis=-1)
-    return np.linalg.norm(face - face[:1], axis=-1)
+    turn = Rotation.from_quat(box[:, [1, 2, 3, 0]])
+    faces = np.stack([box[:, 4:] + turn.apply([side * 0.5 * width, 0.0, 0.0]) for side in (-1.0, 1.0)], axis=1)
+    along = np.empty((len(box), 2, 2))
+    for arm in range(2):
+        into_palm = Rotation.from_quat(palm[:, arm][:, [1, 2, 3, 0]]).inv()
+        along[:, arm] = into_palm.apply(faces[:, arm] - palm[:, arm, 4:])[:, :2]
+    return np.linalg.norm(along - along[:1], axis=-1)
 
 
-def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: float) -> dict:
+def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: float, width: float) -> dict:
     """What happened to the box.
 
     Args:
         held: when it is squeezed, s.
         goal: (7,) where the plan puts it.
         start_height: of its centre before the grasp, m.
+        width: of the box, m.
     """
     inside = (log.t >= held[0]) & (log.t <= held[1])
     force = log.palm_force[inside]
@@ -121,6 +119,6 @@ def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: floa
         "placement_error_m": error,
         "max_tilt_deg": float(tilt_deg(log.box, log.box_desired).max()),
         "dropped": bool(gripped.min() <= 0.0),
-        "max_slip_m": float(slip(log.palm[inside], log.box[inside]).max()) if inside.any() else 0.0,
+        "max_slip_m": float(slip(log.palm[inside], log.box[inside], width).max()) if inside.any() else 0.0,
         "squeeze_force_n": [float(force.min()), float(force.max())] if len(force) else [0.0, 0.0],
     }

@@ -51,7 +51,7 @@ def find_failures(summary: dict, thresholds: Thresholds = Thresholds()) -> list[
     if robot["max_velocity_ratio"] > 1:
         failures.append(f"A joint moved at {robot['max_velocity_ratio']:.2f} times its velocity limit.")
     if robot["max_effort_ratio"] >= 1:
-        failures.append(f"An actuator needed {robot['max_effort_ratio']:.2f} times its effort limit.")
+        failures.append("An actuator ran into its effort limit.")
     if robot["min_clearance_m"] <= 0:
         failures.append(
             f"Bodies that must not touch overlapped by {-1000 * robot['min_clearance_m']:.1f} mm (arms, tables, box)."

@@ -91,7 +91,7 @@ def MakeSummary(plan: Plan, log: RunLog, margins: np.ndarray, simulated_s: float
             "box_width_m": plan.box.width,
         },
         "robot": robot_metrics(log),
-        "box": box_metrics(log, held, plan.goal, float(plan.start[6])),
+        "box": box_metrics(log, held, plan.goal, float(plan.start[6]), plan.box.width),
         "timing": {
             "simulated_s": simulated_s,
             "wall_s": wall_s,

@@ -14,7 +14,7 @@ from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.reach import Reach, find_reach
-from drake_blfdmp.robot.retargeting import Retarget, box_pose, hand_line
+from drake_blfdmp.robot.retargeting import Retarget, box_pose, hand_line, up_axis
 from drake_blfdmp.skill.rollout import Rollout
 
 Progress = Callable[[str, float], None]
@@ -67,7 +67,14 @@ class Plan:
         grasped, released = self.task.held
         t = np.clip(self.coupled.t, grasped, released)
         index = np.minimum(np.round(t / self.scenario.simulation.skill_time_step).astype(int), len(t) - 1)
-        return box_pose(self.coupled.x, self.retarget)[index]
+        return BelowPalms(box_pose(self.coupled.x, self.retarget), self.scenario.task.grasp_above)[index]
+
+
+def BelowPalms(pose, above: float) -> np.ndarray:
+    """The box's poses (N, 7) when the palms take it `above` its centre, m, from the poses of the palms' middle."""
+    lowered = np.array(pose)
+    lowered[:, 4:] -= above * up_axis(lowered)
+    return lowered
 
 
 def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) -> Plan:
@@ -156,7 +163,7 @@ def _plan(scenario, source, box, kinematics, limits, progress) -> Plan:
         task = MakeTask(scenario, source, motion, stretch)
         coupled = RollOutTask(scenario, task)
     grasped, released = (_index(coupled, t) for t in task.held)
-    poses = box_pose(coupled.x[[grasped, released]], reach.retarget)
+    poses = BelowPalms(box_pose(coupled.x[[grasped, released]], reach.retarget), scenario.task.grasp_above)
     yaws = _yaws(coupled, task, reach.retarget)
     if same_level:
         poses[1, 6] = poses[0, 6]

@@ -105,6 +105,7 @@ class TaskConfig:
         held: beginning and end of the held interval on the recording's clock; None finds it.
         squeeze: how far each palm is commanded into the box.
         clearance: distance of each palm from the box while it is open.
+        grasp_above: how far above the box's centre the palms take it; the box then hangs, and the hands clear the table.
         place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
         duration_scale: stretches the motion; None slows it down just as far as the arms need.
         tail: time after the motion's end.
@@ -113,6 +114,7 @@ class TaskConfig:
     held: list[float] | None = None
     squeeze: float = 0.012
     clearance: float = 0.05
+    grasp_above: float = 0.02
     place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     duration_scale: float | None = None
     tail: float = 0.5
@@ -142,7 +144,7 @@ class SimulationConfig:
     time_step: float = 0.002
     skill_time_step: float = 0.002
     record_rate_hz: float = 100.0
-    scene_rate_hz: float = 32.0
+    scene_rate_hz: float = 24.0
 
 
 @dataclass
@@ -236,6 +238,11 @@ def CheckScenario(scenario: Scenario) -> None:
     for key, value in positive.items():
         if not value > 0:
             raise ScenarioError(f"scenario: {key} must be positive, not {value}")
+    if not abs(task.grasp_above) < 0.5 * box.height - 0.04:
+        raise ScenarioError(
+            f"scenario: task.grasp_above is {task.grasp_above:g} m, but palms of 0.045 m radius must fit on the side of a box "
+            f"{box.height:g} m high"
+        )
     if scenario.learning.basis_functions < 2:
         raise ScenarioError(f"scenario: learning.basis_functions must be at least 2, not {scenario.learning.basis_functions}")
     for key, value, size in (

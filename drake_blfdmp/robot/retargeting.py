@@ -161,3 +161,9 @@ def box_pose(x, retarget: Retarget):
     """The pose the box has between the palms, (..., 7) as qw qx qy qz x y z: x axis along the line, left to right."""
     middle, _, _, _, yaw, _, pitch, _ = hand_line(x, np.zeros_like(x), retarget)
     return np.concatenate([line_frame(yaw, pitch)[0], middle], axis=-1)
+
+
+def up_axis(pose):
+    """The z axis (..., 3) of poses (..., 7) qw qx qy qz x y z."""
+    w, x, y, z = np.moveaxis(np.asarray(pose)[..., :4], -1, 0)
+    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)

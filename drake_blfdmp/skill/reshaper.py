@@ -72,7 +72,8 @@ def reshape_limited(x, velocity, nominal_acceleration, link_acceleration, limit,
     """`reshape` under a limit on every point's acceleration; the arm links come first (Remark 2).
 
     The hands' demand is lowered, in a straight line from what is asked to what the arms do if the hands are left
-    alone, just so far that no point is asked for more than `limit`. Where the arms alone ask for more, they get it.
+    alone, just so far that no point is asked for more than `limit`. Where no such demand exists, the arms get theirs
+    alone, above the limit.
 
     Args:
         limit: m/s^2, on the norm of each point's acceleration.
@@ -95,12 +96,19 @@ def reshape_limited(x, velocity, nominal_acceleration, link_acceleration, limit,
 
 
 def _largest_share(base, direction, limit):
-    """The largest lambda in [0, 1] with |base + lambda direction| <= limit for every point: (...)."""
+    """The largest lambda in [0, 1] with |base + lambda direction| <= limit for every point (...); 0 if there is none.
+
+    Each point's condition is quadratic in lambda and holds on an interval; what is sought is the end of their
+    intersection.
+    """
     a = np.sum(direction * direction, axis=-1)
     b = np.sum(base * direction, axis=-1)
     c = np.sum(base * base, axis=-1) - limit**2
-    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = np.where(a > 0.0, (-b + root) / np.where(a > 0.0, a, 1.0), np.inf)
-    feasible = np.sum((base + direction) ** 2, axis=-1) <= limit**2
-    return np.clip(np.where(feasible, 1.0, np.where(c > 0.0, 0.0, reach)), 0.0, 1.0).min(axis=-1)
+    still = a == 0.0
+    a = np.where(still, 1.0, a)
+    discriminant = b * b - a * c
+    root = np.sqrt(np.maximum(discriminant, 0.0))
+    possible = np.where(still, c <= 0.0, discriminant >= 0.0).all(axis=-1)
+    first = np.where(still, 0.0, (-b - root) / a).max(axis=-1).clip(0.0, None)
+    last = np.where(still, 1.0, (-b + root) / a).min(axis=-1).clip(None, 1.0)
+    return np.where(possible & (first <= last), last, 0.0)

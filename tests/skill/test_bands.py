@@ -79,7 +79,6 @@ def test_the_hands_follow_their_profile_and_the_bones_do_not_move():
 )
 def test_impossible_bands_are_refused(change, message):
     values = {
-        "bones": np.ones(5),
         "hands": ConstantDistance(0.3),
         "initial": np.full(5, 0.02),
         "final": np.full(5, 0.01),
