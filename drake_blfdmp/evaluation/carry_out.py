@@ -134,7 +134,7 @@ def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, sta
     write_scene_html(
         viewer, folder / "scene.html", title=f"{scenario.name}: law {scenario.law}, {source} person", legend=LEGEND
     )
-    return log, logger.margins(context), wall, end, recorder
+    return log, logger.margins(context, plan.task.bands), wall, end, recorder
 
 
 def _add_recorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:

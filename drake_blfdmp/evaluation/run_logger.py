@@ -13,6 +13,9 @@ from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.skill.bands import Bands
+from drake_blfdmp.skill.barrier import middles_and_half_widths
+from drake_blfdmp.skill.geometry import link_lengths
 from pydrake.math import RotationMatrix
 
 
@@ -31,13 +34,15 @@ class RunLogger:
         """The sample times (N,), s."""
         return np.array(self.sinks["phase"].FindLog(context).sample_times())
 
-    def margins(self, context: Context) -> np.ndarray:
-        """1 - |xi| of every link at every step of the skill: (M, 5)."""
-        return np.array(self.every_step.FindLog(context).data().T)
+    def margins(self, context: Context, bands: Bands) -> np.ndarray:
+        """1 - |xi| of every link at every step of the simulated skill: (M, 5)."""
+        log = self.every_step.FindLog(context)
+        (m, _, _), (w, _, _) = middles_and_half_widths(bands.evaluate(np.array(log.sample_times())))
+        return 1.0 - np.abs(link_lengths(log.data().T.reshape(-1, 6, 3)) - m) / w
 
 
 def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
-    """Log at the scenario's recording rate, and the links' margins at every step of the skill."""
+    """Log at the scenario's recording rate, and the six points at every step of the skill."""
     simulation = parts.plan.scenario.simulation
     period = 1.0 / simulation.record_rate_hz
     left, right = parts.arms
@@ -59,7 +64,7 @@ def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
         "palm_force": parts.palm_forces.get_output_port(),
     }
     sinks = {name: LogVectorOutput(port, builder, period) for name, port in ports.items()}
-    every_step = LogVectorOutput(skill.coupler.GetOutputPort("margin"), builder, simulation.skill_time_step)
+    every_step = LogVectorOutput(skill.transformation.GetOutputPort("position"), builder, simulation.skill_time_step)
     return RunLogger(sinks, every_step)
 
 

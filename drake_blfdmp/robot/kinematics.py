@@ -8,6 +8,9 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from drake_blfdmp.robot.plant import ARMS, JOINTS_PER_ARM, MakeKinematicPlant
 from drake_blfdmp.robot.swivel import swivel_angle, swivel_jacobians
+from drake_blfdmp.vectors import cross
+
+_ORIGIN = np.zeros(3)
 
 
 class ArmState(NamedTuple):
@@ -37,11 +40,14 @@ class DualArmKinematics:
         self._context = self._plant.CreateDefaultContext()
         self._world = self._plant.world_frame()
         self._frames = []
+        self._shoulders = []  # The first two axes meet there whatever the joints' angles.
         self._columns = []
         for arm in ARMS:
             instance = self._plant.GetModelInstanceByName(arm)
-            names = ("palm", "shoulder", "elbow", "wrist")
+            names = ("palm", "elbow", "wrist")
             self._frames.append([self._plant.GetFrameByName(name, instance) for name in names])
+            shoulder = self._plant.GetFrameByName("shoulder", instance)
+            self._shoulders.append(shoulder.CalcPoseInWorld(self._context).translation())
             first = self._plant.GetJointByName("panda_joint1", instance).velocity_start()
             self._columns.append(slice(first, first + JOINTS_PER_ARM))
 
@@ -49,20 +55,26 @@ class DualArmKinematics:
         """Both arms at q (14,)."""
         plant, context, world = self._plant, self._context, self._world
         plant.SetPositions(context, q)
-        states = []
-        for (palm, *points), columns in zip(self._frames, self._columns, strict=True):
+        poses, jacobians, points = [], [], np.empty((3, 2, 3))
+        for arm, ((palm, *frames), columns) in enumerate(zip(self._frames, self._columns, strict=True)):
             jacobian = plant.CalcJacobianSpatialVelocity(
-                context, JacobianWrtVariable.kV, palm, np.zeros(3), world, world
-            )[:, columns]
-            X_WP = palm.CalcPoseInWorld(context)
-            p_palm = X_WP.translation()
-            shoulder, elbow, wrist = (frame.CalcPoseInWorld(context).translation() for frame in points)
-            je, jw = swivel_jacobians(shoulder, elbow, wrist)
+                context, JacobianWrtVariable.kV, palm, _ORIGIN, world, world
+            )
+            jacobians.append(jacobian[:, columns])
+            poses.append(palm.CalcPoseInWorld(context))
+            points[0, arm] = self._shoulders[arm]
+            for i, frame in enumerate(frames, start=1):
+                points[i, arm] = frame.CalcPoseInWorld(context).translation()
+        d_elbow, d_wrist = swivel_jacobians(*points)
+        palms = np.array([pose.translation() for pose in poses])
+        moment_elbow, moment_wrist = cross(points[1] - palms, d_elbow), cross(points[2] - palms, d_wrist)
+        psi = swivel_angle(*points)
+        states = []
+        for arm, (pose, jacobian) in enumerate(zip(poses, jacobians, strict=True)):
             # Joints 1-3 carry the elbow, joints 1-5 the wrist, as rigidly as they carry the palm.
             omega, v = jacobian[:3].T, jacobian[3:].T
             swivel_jacobian = np.zeros(JOINTS_PER_ARM)
-            swivel_jacobian[:3] = v[:3] @ je + omega[:3] @ np.cross(elbow - p_palm, je)
-            swivel_jacobian[:5] += v[:5] @ jw + omega[:5] @ np.cross(wrist - p_palm, jw)
-            psi = float(swivel_angle(shoulder, elbow, wrist))
-            states.append(ArmState(X_WP.rotation().matrix(), p_palm, jacobian, psi, swivel_jacobian))
+            swivel_jacobian[:3] = v[:3] @ d_elbow[arm] + omega[:3] @ moment_elbow[arm]
+            swivel_jacobian[:5] += v[:5] @ d_wrist[arm] + omega[:5] @ moment_wrist[arm]
+            states.append(ArmState(pose.rotation().matrix(), palms[arm], jacobian, float(psi[arm]), swivel_jacobian))
         return states[0], states[1]

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_blfdmp.robot.swivel import swivel_angle, swivel_rate, wrap
+from drake_blfdmp.vectors import cross, dot
 
-LEFT = np.array([0, 1, 2])
-RIGHT = np.array([3, 4, 5])
+SHOULDERS, ELBOWS, WRISTS = np.array([0, 3]), np.array([1, 4]), np.array([2, 5])
 OUTWARD = np.array([1.0, -1.0])  # The sign of the swivel angle with which each arm's elbow swings away from the body.
 
 
@@ -50,17 +50,15 @@ class Retarget:
 
 def multiply(a, b):
     """Quaternion product a b, (..., 4) in the order w x y z."""
-    aw, ax, ay, az = np.moveaxis(np.asarray(a), -1, 0)
-    bw, bx, by, bz = np.moveaxis(np.asarray(b), -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
-    )
+    a, b = np.asarray(a), np.asarray(b)
+    aw, ax, ay, az = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
+    bw, bx, by, bz = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    product[..., 0] = aw * bw - ax * bx - ay * by - az * bz
+    product[..., 1] = aw * bx + ax * bw + ay * bz - az * by
+    product[..., 2] = aw * by - ax * bz + ay * bw + az * bx
+    product[..., 3] = aw * bz + ax * by - ay * bx + az * bw
+    return product
 
 
 def palm_offsets(rolls) -> np.ndarray:
@@ -94,8 +92,8 @@ def hand_line(x, velocity, retarget: Retarget):
     r, r_dot = x[..., 5, :] - x[..., 2, :], velocity[..., 5, :] - velocity[..., 2, :]
     middle = retarget.point(0.5 * (x[..., 5, :] + x[..., 2, :]))
     middle_velocity = 0.5 * retarget.scale * (velocity[..., 5, :] + velocity[..., 2, :])
-    distance = np.sqrt(np.sum(r * r, axis=-1))
-    rate = np.sum(r * r_dot, axis=-1) / distance
+    distance = np.sqrt(dot(r, r))
+    rate = dot(r, r_dot) / distance
     flat2 = r[..., 0] ** 2 + r[..., 1] ** 2
     flat = np.sqrt(flat2)
     yaw = np.arctan2(r[..., 1], r[..., 0])
@@ -135,23 +133,22 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
     q, n, y_axis = line_frame(yaw, pitch)
     omega = -pitch_rate[..., None] * y_axis
     omega[..., 2] += yaw_rate
-    n_dot = np.cross(omega, n)
+    n_dot = cross(omega, n)
     half = 0.5 * (distance[..., None] * n)
     half_dot = 0.5 * (rate[..., None] * n + distance[..., None] * n_dot)
     pose = np.empty((*x.shape[:-2], 2, 7))
     twist = np.empty((*x.shape[:-2], 2, 6))
+    pose[..., :4] = multiply(q[..., None, :], offsets)
     for arm, sign in ((0, -1.0), (1, 1.0)):
-        pose[..., arm, :4] = multiply(q, offsets[arm])
         pose[..., arm, 4:] = middle + sign * half
         twist[..., arm, :3] = omega
         twist[..., arm, 3:] = middle_velocity + sign * half_dot
-    points = np.stack([x[..., LEFT, :], x[..., RIGHT, :]], axis=-3)
-    rates = np.stack([velocity[..., LEFT, :], velocity[..., RIGHT, :]], axis=-3)
-    s, e, w = (points[..., i, :] for i in range(3))
-    psi, psi_dot = swivel_angle(s, e, w), swivel_rate(s, e, w, *(rates[..., i, :] for i in range(3)))
-    outward = OUTWARD * psi
-    limits = np.where((outward > 0)[..., None], retarget.swing_out, retarget.swing_in)
-    swing, slope = softly_limited(psi, np.moveaxis(limits, -1, 0))
+    s, e, w = (x[..., arms, :] for arms in (SHOULDERS, ELBOWS, WRISTS))
+    rates = (velocity[..., arms, :] for arms in (SHOULDERS, ELBOWS, WRISTS))
+    psi, psi_dot = swivel_angle(s, e, w), swivel_rate(s, e, w, *rates)
+    outward = OUTWARD * psi > 0
+    limits = [np.where(outward, out, inward) for out, inward in zip(retarget.swing_out, retarget.swing_in, strict=True)]
+    swing, slope = softly_limited(psi, limits)
     if retarget.elbow_up:
         return pose, twist, wrap(np.pi - swing), -slope * psi_dot
     return pose, twist, swing, slope * psi_dot
@@ -165,5 +162,5 @@ def box_pose(x, retarget: Retarget):
 
 def up_axis(pose):
     """The z axis (..., 3) of poses (..., 7) qw qx qy qz x y z."""
-    w, x, y, z = np.moveaxis(np.asarray(pose)[..., :4], -1, 0)
+    w, x, y, z = (np.asarray(pose)[..., i] for i in range(4))
     return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)

@@ -6,22 +6,24 @@ its elbow towards -x with a positive angle. Points are (..., 3) in a frame with 
 
 import numpy as np
 
+from drake_blfdmp.vectors import cross, dot
+
 STRAIGHT = 1e-4
 """Below this elbow distance from the shoulder-wrist line, m, the angle is undefined."""
 
 
 def _components(shoulder, elbow, wrist):
     e, w = elbow - shoulder, wrist - shoulder
-    length = np.sqrt(np.sum(w * w, axis=-1))
+    length = np.sqrt(dot(w, w))
     # Both carry the common factor length^2, which arctan2 does not see. w . (z x e) is a triple product.
     across = length * (w[..., 0] * e[..., 1] - w[..., 1] * e[..., 0])
-    down = w[..., 2] * np.sum(e * w, axis=-1) - length**2 * e[..., 2]
-    return e, w, length, across, down
+    down = w[..., 2] * dot(e, w) - length**2 * e[..., 2]
+    return across, down
 
 
 def swivel_angle(shoulder, elbow, wrist):
     """Psi (...): the angle between the arm's plane and the vertical plane through shoulder and wrist."""
-    *_, across, down = _components(shoulder, elbow, wrist)
+    across, down = _components(shoulder, elbow, wrist)
     return np.arctan2(across, down)
 
 
@@ -31,31 +33,26 @@ def swivel_jacobians(shoulder, elbow, wrist):
     By translation invariance the derivative with respect to the shoulder is minus their sum. Where the arm is straight
     or points straight up or down the angle is undefined and both are zero.
     """
-    e, w, length, a, b = _components(shoulder, elbow, wrist)
-    r2 = a * a + b * b
-    # distance of the elbow from the axis times the axis's horizontal share, in the unit of a and b
-    defined = r2 > (STRAIGHT * length**2) ** 2
-    scale = 1.0 / np.where(defined, r2, 1.0) * defined
-    dot = np.sum(e * w, axis=-1)
-    zero = np.zeros_like(length)
-    across = w[..., 0] * e[..., 1] - w[..., 1] * e[..., 0]
-    lw = length[..., None]
-    da_de = lw * np.stack([-w[..., 1], w[..., 0], zero], axis=-1)
-    da_dw = (
-        lw * np.stack([e[..., 1], -e[..., 0], zero], axis=-1)
-        + (across / np.where(length > 0, length, 1.0))[..., None] * w
-    )
-    z = np.array([0.0, 0.0, 1.0])
-    db_de = w[..., 2:3] * w - (length**2)[..., None] * z
-    db_dw = dot[..., None] * z + w[..., 2:3] * e - 2.0 * e[..., 2:3] * w
-    db, da = b[..., None], a[..., None]
-    return scale[..., None] * (db * da_de - da * db_de), scale[..., None] * (db * da_dw - da * db_dw)
+    e, w = elbow - shoulder, wrist - shoulder
+    length2, flat2 = dot(w, w), w[..., 0] ** 2 + w[..., 1] ** 2
+    normal = cross(w, e)
+    area2 = dot(normal, normal)  # (length times the elbow's distance from the axis)^2
+    defined = area2 * flat2 > (STRAIGHT * length2) ** 2 * length2
+    length = np.sqrt(length2)
+    # Turning about the axis moves the elbow along the normal; moving the wrist turns the axis, which carries the arm's
+    # plane and the vertical plane along by different angles.
+    d_elbow = (length / np.where(defined, area2, 1.0) * defined)[..., None] * normal
+    tilt = w[..., 2] / np.where(defined, length * flat2, 1.0) * defined
+    d_wrist = (-dot(e, w) / np.where(defined, length2, 1.0))[..., None] * d_elbow
+    d_wrist[..., 0] += tilt * w[..., 1]
+    d_wrist[..., 1] -= tilt * w[..., 0]
+    return d_elbow, d_wrist
 
 
 def swivel_rate(shoulder, elbow, wrist, shoulder_velocity, elbow_velocity, wrist_velocity):
     """Psi' (...), rad/s, of moving points; 0 where the angle is undefined."""
     je, jw = swivel_jacobians(shoulder, elbow, wrist)
-    return np.sum(je * (elbow_velocity - shoulder_velocity) + jw * (wrist_velocity - shoulder_velocity), axis=-1)
+    return dot(je, elbow_velocity - shoulder_velocity) + dot(jw, wrist_velocity - shoulder_velocity)
 
 
 def swivel_direction(shoulder, elbow, wrist):
@@ -63,7 +60,7 @@ def swivel_direction(shoulder, elbow, wrist):
 
     A positive psi' moves the elbow along -U_psi. Zero where the arm is straight.
     """
-    u = np.cross(shoulder - elbow, elbow - wrist)
+    u = cross(shoulder - elbow, elbow - wrist)
     norm = np.linalg.norm(u, axis=-1, keepdims=True)
     return np.where(norm > 1e-9, u / np.where(norm > 1e-9, norm, 1.0), 0.0)
 

@@ -27,8 +27,12 @@ def pose_error(state: ArmState, pose) -> np.ndarray:
     and beyond 90 degrees still turns the right way.
     """
     desired = rotation_matrix(pose[:4])
-    axes = np.cross(state.rotation.T, desired.T).sum(axis=0)
-    return np.concatenate([0.5 * axes, pose[4:] - state.position])
+    turn = desired @ state.rotation.T
+    error = np.empty(6)
+    error[0], error[1], error[2] = turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]
+    error[:3] *= 0.5
+    error[3:] = pose[4:] - state.position
+    return error
 
 
 class DualArmTracker:

@@ -15,6 +15,8 @@ from drake_blfdmp.skill.profiles import ConstantDistance, HandDistance
 
 LOWER, UPPER, LOWER_RATE, UPPER_RATE, LOWER_ACCELERATION, UPPER_ACCELERATION = range(6)
 
+ONLY_HANDS = np.array([float(i == HANDS) for i in range(len(LINKS))])
+
 
 @dataclass(frozen=True)
 class Bands:
@@ -47,12 +49,8 @@ class Bands:
 
     def desired(self, t):
         """Desired lengths and their first two derivatives, each (..., 5)."""
-        t = np.asarray(t)
-        hands = self.hands.evaluate(t)
-        zero = 0.0 * t
-        columns = [[zero + bone, zero, zero] for bone in np.asarray(self.bones, dtype=float)]
-        columns[HANDS] = list(hands)
-        return tuple(np.stack([column[order] for column in columns], axis=-1) for order in range(3))
+        length, rate, acceleration = (np.asarray(value)[..., None] * ONLY_HANDS for value in self.hands.evaluate(t))
+        return length + np.asarray(self.bones) * (1.0 - ONLY_HANDS), rate, acceleration
 
     def half_widths(self, t):
         """Sigma and its first two derivatives, each (..., 5)."""

@@ -3,6 +3,7 @@
 import numpy as np
 
 from drake_blfdmp.skeleton import LINKS
+from drake_blfdmp.vectors import dot
 
 FIRST = np.array([link.a for link in LINKS])
 SECOND = np.array([link.b for link in LINKS])
@@ -16,7 +17,7 @@ def link_vectors(x):
 def link_lengths(x):
     """Rho = |r|: (..., 5)."""
     r = link_vectors(x)
-    return np.sqrt(np.sum(r * r, axis=-1))
+    return np.sqrt(dot(r, r))
 
 
 def link_states(x, velocity):
@@ -28,7 +29,7 @@ def link_states(x, velocity):
         rho (..., 5), rho' (..., 5), n (..., 5, 3), (|r'|^2 - rho'^2) / rho (..., 5).
     """
     r, r_dot = link_vectors(x), link_vectors(velocity)
-    rho = np.sqrt(np.sum(r * r, axis=-1))
+    rho = np.sqrt(dot(r, r))
     n = r / rho[..., None]
-    rho_dot = np.sum(n * r_dot, axis=-1)
-    return rho, rho_dot, n, (np.sum(r_dot * r_dot, axis=-1) - rho_dot**2) / rho
+    rho_dot = dot(n, r_dot)
+    return rho, rho_dot, n, (dot(r_dot, r_dot) - rho_dot**2) / rho

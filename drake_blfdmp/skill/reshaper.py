@@ -13,6 +13,7 @@ import numpy as np
 
 from drake_blfdmp.skeleton import HANDS, LINKS
 from drake_blfdmp.skill.geometry import link_states, link_vectors
+from drake_blfdmp.vectors import dot
 
 DEFAULT_MOBILITY = np.array([0.2, 0.5, 1.0, 0.2, 0.5, 1.0])
 """Shoulders move least, hands most: the order of the measuring errors in the paper's Fig. 2."""
@@ -21,7 +22,7 @@ DEFAULT_MOBILITY = np.array([0.2, 0.5, 1.0, 0.2, 0.5, 1.0])
 def needs(x, velocity, nominal_acceleration, link_acceleration):
     """What each link's n^T (Delta_b - Delta_a) must be (..., 5), m/s^2, and the unit vectors n (..., 5, 3)."""
     _, _, n, centripetal = link_states(x, velocity)
-    own = np.sum(n * link_vectors(nominal_acceleration), axis=-1)
+    own = dot(n, link_vectors(nominal_acceleration))
     return link_acceleration - centripetal - own, n
 
 
@@ -31,7 +32,8 @@ def solve_chain(n, need, mobility):
     w = [mobility[..., p] for p in points]
     count = len(LINKS)
     diagonal = [w[i] + w[i + 1] for i in range(count)]
-    off = [-w[i + 1] * np.sum(n[..., i, :] * n[..., i + 1, :], axis=-1) for i in range(count - 1)]
+    between = dot(n[..., :-1, :], n[..., 1:, :])
+    off = [-w[i + 1] * between[..., i] for i in range(count - 1)]
     pivot, right = [diagonal[0]], [need[..., 0]]
     for i in range(1, count):
         factor = off[i - 1] / pivot[-1]
@@ -101,9 +103,9 @@ def _largest_share(base, direction, limit):
     Each point's condition is quadratic in lambda and holds on an interval; what is sought is the end of their
     intersection.
     """
-    a = np.sum(direction * direction, axis=-1)
-    b = np.sum(base * direction, axis=-1)
-    c = np.sum(base * base, axis=-1) - limit**2
+    a = dot(direction, direction)
+    b = dot(base, direction)
+    c = dot(base, base) - limit**2
     still = a == 0.0
     a = np.where(still, 1.0, a)
     discriminant = b * b - a * c

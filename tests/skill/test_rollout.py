@@ -82,7 +82,7 @@ def test_without_coupling_bands_are_crossed():
     assert np.all(r.margins.min(axis=(0, 2)) < 0.0)
 
 
-def test_a_step_four_times_too_long_crosses_bands():
+def test_a_step_far_too_long_crosses_bands():
     """The limit on the time step is not for nothing."""
     rng = np.random.default_rng(3)
     start = moved(rng, SKILL.start, 0.06)
