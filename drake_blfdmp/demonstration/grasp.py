@@ -16,7 +16,7 @@ from drake_blfdmp.demonstration.smoothing import smooth
 SHORTEST_S = 0.5
 
 
-def grasp_and_release(demonstration: Demonstration, holding: Holding, cutoff_hz: float = 1.5) -> Holding:
+def grasp_and_release(demonstration: Demonstration, holding: Holding, cutoff_hz: float = 1.2) -> Holding:
     """The held interval from the grasp to the release.
 
     Args:

@@ -6,13 +6,13 @@ from scipy.signal import butter, sosfiltfilt
 from drake_blfdmp.errors import RecordingError
 
 
-def smooth(t: np.ndarray, x: np.ndarray, cutoff_hz: float = 1.5) -> np.ndarray:
+def smooth(t: np.ndarray, x: np.ndarray, cutoff_hz: float = 1.2) -> np.ndarray:
     """Zero-lag low-pass filter: a fourth-order Butterworth run forwards and backwards, as usual in biomechanics.
 
     Args:
         t: (N,) uniform time, s.
         x: (N, ...) positions.
-        cutoff_hz: frequency at which amplitude has fallen to one half; a person carries a box below about 1.5 Hz.
+        cutoff_hz: frequency at which amplitude has fallen to one half; a person carries a box below about 1 Hz.
 
     Raises:
         RecordingError: the recording is too slow or too short for the filter.

@@ -27,11 +27,11 @@ class Timing:
         speed: playback speed between the ramps; 1 is the person's.
     """
 
-    approach_s: float = 1.0
-    retreat_s: float = 1.0
-    dwell_s: float = 1.0
-    rest_s: float = 0.5
-    ramp_s: float = 0.6
+    approach_s: float = 0.7
+    retreat_s: float = 0.7
+    dwell_s: float = 0.9
+    rest_s: float = 0.4
+    ramp_s: float = 0.7
     speed: float = 1.0
 
 
@@ -76,7 +76,7 @@ def rest_to_rest(t, length: float, ramp_s: float):
 
 
 def task_motion(
-    demonstration: Demonstration, holding: Holding, timing: Timing, cutoff_hz: float = 1.5, rate_hz: float = 100.0
+    demonstration: Demonstration, holding: Holding, timing: Timing, cutoff_hz: float = 1.2, rate_hz: float = 100.0
 ) -> TaskMotion:
     """Smooth the demonstration and play it on the task's clock.
 

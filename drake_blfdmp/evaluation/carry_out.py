@@ -112,8 +112,8 @@ def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, sta
     builder = DiagramBuilder()
     parts = AddHoldAndPlace(builder, plan)
     logger = AddRunLogger(builder, parts)
-    recorder = stack.enter_context(_add_recorder(builder, parts, folder / "run.mcap"))
-    _add_viewer(builder, parts, viewer)
+    recorder = stack.enter_context(AddRecorder(builder, parts, folder / "run.mcap"))
+    AddViewer(builder, parts, viewer)
     diagram = builder.Build()
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()
@@ -137,7 +137,8 @@ def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, sta
     return log, logger.margins(context, plan.task.bands), wall, end, recorder
 
 
-def _add_recorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:
+def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:
+    """Record the arms, the box, the skill's signals and the contact forces to an MCAP file."""
     plan, skill = parts.plan, parts.skill
     scenario, plant = plan.scenario, parts.plant
     recorder = McapRecorder.AddToBuilder(
@@ -173,7 +174,8 @@ def _add_recorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> M
     return recorder
 
 
-def _add_viewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) -> None:
+def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) -> None:
+    """Show the scene, and the skeleton as a ghost beside it, in Meshcat."""
     plan = parts.plan
     period = 1.0 / plan.scenario.simulation.scene_rate_hz
     meshcat.Delete()

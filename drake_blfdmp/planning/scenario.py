@@ -54,15 +54,15 @@ class LearningConfig:
     """How the skill is learned.
 
     Attributes:
-        basis_functions: their number.
+        basis_functions: their number; None takes 5 a second, at least 50.
         method: "ridge" or "lwr".
         cutoff_hz: of the smoothing before differentiation.
         alpha_z: gain of (1); None takes 10 tau.
     """
 
-    basis_functions: int = 50
+    basis_functions: int | None = None
     method: str = "ridge"
-    cutoff_hz: float = 1.5
+    cutoff_hz: float = 1.2
     alpha_z: float | None = None
 
 
@@ -142,7 +142,7 @@ class SimulationConfig:
     """Steps and rates: `time_step` of the plant, `skill_time_step` of the skill and the inverse kinematics."""
 
     time_step: float = 0.002
-    skill_time_step: float = 0.002
+    skill_time_step: float = 0.004
     record_rate_hz: float = 100.0
     scene_rate_hz: float = 24.0
 
@@ -243,7 +243,7 @@ def CheckScenario(scenario: Scenario) -> None:
             f"scenario: task.grasp_above is {task.grasp_above:g} m, but palms of 0.045 m radius must fit on the side of a box "
             f"{box.height:g} m high"
         )
-    if scenario.learning.basis_functions < 2:
+    if (scenario.learning.basis_functions or 2) < 2:
         raise ScenarioError(f"scenario: learning.basis_functions must be at least 2, not {scenario.learning.basis_functions}")
     for key, value, size in (
         ("recording.frames", scenario.recording.frames, 2),

@@ -30,7 +30,7 @@ def learn_skill(
         t: (N,) increasing time from 0, s.
         x: (N, 6, 3) smooth positions, m. Velocity and acceleration are those of the quintic spline through them, so
             noise must be gone before: differentiation multiplies it by 1/dt^2.
-        basis_functions: n; by default 6 a second, at least 50: n functions follow frequencies up to n / (2 tau) only.
+        basis_functions: n; by default 5 a second, at least 50: n functions follow frequencies up to n / (2 tau) only.
         method: "ridge" (all basis functions at once) or "lwr" (locally weighted regression, the paper's).
         alpha_z: gain of (1); by default 10 tau, so that the spring's rate alpha_z / (2 tau) is 5 rad/s whatever the
             duration. beta_z = alpha_z / 4: critically damped.
@@ -46,7 +46,7 @@ def learn_skill(
     if not (np.all(np.diff(t) > 0) and np.all(np.isfinite(x))):
         raise SkillError("learning: time must increase and every position be finite; clean the recording first")
     tau = float(t[-1] - t[0])
-    n = max(50, int(np.ceil(6.0 * tau))) if basis_functions is None else basis_functions
+    n = max(50, int(np.ceil(5.0 * tau))) if basis_functions is None else basis_functions
     if n < 2:
         raise SkillError(f"learning: needs at least 2 basis functions, not {n}")
     alpha_z = 10.0 * tau if alpha_z is None else alpha_z
