@@ -17,19 +17,30 @@ ROOT = Path(__file__).resolve().parent
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(
-        prog="run.py", description=__doc__.split("\n\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="run.py",
+        description=(__doc__ or "").split("\n\n")[0],
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--scenario", type=Path, metavar="FILE", help="scenario (YAML); default: hold and place")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY.PATH=VALUE", help="change one value; repeatable")
-    parser.add_argument("--recording", type=Path, metavar="FILE", help="recording of a person's shoulders, elbows, wrists")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY.PATH=VALUE", help="change one value; repeatable"
+    )
+    parser.add_argument(
+        "--recording", type=Path, metavar="FILE", help="recording of a person's shoulders, elbows, wrists"
+    )
     parser.add_argument("--format", help="the recording's format, where its content does not tell")
     parser.add_argument("--frames", metavar="A:B", help="first and last frame, inclusive")
     parser.add_argument(
-        "--joints", nargs="+", default=[], metavar="NAME=COLUMN",
+        "--joints",
+        nargs="+",
+        default=[],
+        metavar="NAME=COLUMN",
         help="left_wrist=HandL takes the columns of HandL; left_wrist=a,b,c three columns",
     )
     parser.add_argument("--unit", choices=["m", "cm", "mm"], help="the recording's unit of length")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the results; default runs/<scenario>-<time>")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder for the results; default runs/<scenario>-<time>"
+    )
     parser.add_argument("--meshcat", action="store_true", help="show the simulation live, on this machine only")
     parser.add_argument("--seed", type=int, help="seed of everything random")
     return parser.parse_args(arguments)

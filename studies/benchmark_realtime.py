@@ -95,7 +95,7 @@ def bare(plan: Plan, end: float, commands: tuple) -> float:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--repeat", type=int, default=5)
     repeat = parser.parse_args().repeat
     plan = MakePlan(LoadScenario(ROOT / "studies" / "hold_and_place.yaml"))

@@ -19,7 +19,9 @@ def smooth(t: np.ndarray, x: np.ndarray, cutoff_hz: float = 1.2) -> np.ndarray:
     """
     rate = (len(t) - 1) / (t[-1] - t[0])
     if not 0 < cutoff_hz < rate / 2:
-        raise RecordingError(f"smoothing: cut-off {cutoff_hz:g} Hz must lie between 0 and half the rate, {rate / 2:g} Hz")
+        raise RecordingError(
+            f"smoothing: cut-off {cutoff_hz:g} Hz must lie between 0 and half the rate, {rate / 2:g} Hz"
+        )
     # Padding by the filter's own time constant keeps the ends where they are.
     pad = min(len(t) - 1, int(2.0 * rate / cutoff_hz))
     return sosfiltfilt(butter(4, cutoff_hz, fs=rate, output="sos"), x, axis=0, padtype="odd", padlen=pad)

@@ -5,6 +5,7 @@ grasp and at the release, and the motion starts and ends at rest, which is what 
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -98,7 +99,7 @@ def task_motion(
         end,
         min(demonstration.t[-1], end + timing.retreat_s),
     ]
-    pieces = [b - a for a, b in zip(stops, stops[1:], strict=False)]
+    pieces = [b - a for a, b in pairwise(stops)]
     rests = [timing.rest_s, timing.dwell_s, timing.dwell_s, timing.rest_s]
     durations = [rest_to_rest(0.0, piece / timing.speed, timing.ramp_s)[1] for piece in pieces]
     total = sum(rests) + sum(durations)

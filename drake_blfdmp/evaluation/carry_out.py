@@ -28,7 +28,7 @@ from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, Skeleto
 
 Progress = Callable[[str, float], None]
 
-GHOST_AT = np.array([0.85, 0.0, 1.35])
+GHOST_AT = np.array([0.8, -0.1, 1.3])
 """Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
 
 
@@ -52,7 +52,9 @@ def MakeRunFolder(folder: Path | None, name: str) -> Path:
         if folder is not None:
             folder = Path(folder)
             if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-                raise BlfDmpError(f"--out {folder}: exists already and is not empty; nothing is overwritten, name another")
+                raise BlfDmpError(
+                    f"--out {folder}: exists already and is not empty; nothing is overwritten, name another"
+                )
             folder.mkdir(parents=True, exist_ok=True)
             return folder
         stamp = time.strftime("%Y%m%d-%H%M%S")
@@ -158,7 +160,9 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
     )
     points = [f"{point}_{axis}" for point in POINTS for axis in "xyz"]
     links = [link.name for link in LINKS]
-    bands = [f"{link}_{row}" for row in ("lower", "upper", "lower_d", "upper_d", "lower_dd", "upper_dd") for link in links]
+    bands = [
+        f"{link}_{row}" for row in ("lower", "upper", "lower_d", "upper_d", "lower_dd", "upper_dd") for link in links
+    ]
     joints = [f"{arm}{joint}" for arm in ("left_", "right_") for joint in range(1, 8)]
     for name, port, elements, unit in (
         ("phase", skill.canonical.GetOutputPort("phase"), ["s"], "1"),

@@ -66,7 +66,8 @@ def table(summary: dict) -> str:
     lines += [
         "",
         f"box    lifted {box['lifted_m']:.3f} m, placed within {1000 * box['placement_error_m']:.1f} mm, tilt at most "
-        f"{box['max_tilt_deg']:.2f} deg, squeeze {force[0]:.0f}-{force[1]:.0f} N, slip {1000 * box['max_slip_m']:.1f} mm",
+        f"{box['max_tilt_deg']:.2f} deg, squeeze {force[0]:.0f}-{force[1]:.0f} N, "
+        f"slip {1000 * box['max_slip_m']:.1f} mm",
         f"robot  palms follow within {1000 * robot['palm_tracking_rms_m']:.1f} mm rms, joint margin "
         f"{robot['min_joint_margin_rad']:.2f} rad, effort {100 * robot['max_effort_ratio']:.0f} %, speed "
         f"{100 * robot['max_velocity_ratio']:.0f} %, clearance {1000 * robot['min_clearance_m']:.0f} mm",

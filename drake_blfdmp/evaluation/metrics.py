@@ -36,7 +36,7 @@ def samples_until_inside(t, lengths, lower, upper, rate: float = RECORDING_RATE)
 
 
 def link_metrics(rollout: Rollout, bands: Bands, held_at: float) -> dict[str, dict]:
-    """One entry a link: desired length while held, range, violations of the funnel, and how soon the paper's band is met.
+    """One entry a link: desired length while held, range, violations of the funnel, how soon the paper's band is met.
 
     Args:
         rollout: any rollout of the task, with or without coupling.

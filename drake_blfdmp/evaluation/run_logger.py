@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from pydrake.math import RotationMatrix
 from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
@@ -16,7 +17,6 @@ from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.barrier import middles_and_half_widths
 from drake_blfdmp.skill.geometry import link_lengths
-from pydrake.math import RotationMatrix
 
 
 @dataclass(frozen=True)

@@ -4,21 +4,30 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource, Source
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
-from drake_blfdmp.planning.task import MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
+from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import Reach, find_reach
+from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, MakeKinematicPlant, ReadJointLimits
+from drake_blfdmp.robot.reach import Reach, find_reach, rigid
 from drake_blfdmp.robot.retargeting import Retarget, box_pose, hand_line, up_axis
 from drake_blfdmp.skill.rollout import Rollout
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and the share of it done, 0 to 1."""
+
+CLEARANCE = 0.008
+"""Least distance, m, a plan keeps between bodies that must not touch."""
+
+LARGEST_FORCE = 85.0
+"""Largest planned force of a palm, N: joint 6 carries it on a lever of 0.088 m and has 12 N m."""
 
 TRIMS = (1.0, 0.6, 0.3, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
@@ -85,8 +94,9 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
     """
     source = LoadSource(scenario, lambda text: progress(text, 0.0))
     width = source.dimensions.box_width
-    if width - 2.0 * scenario.task.squeeze <= 0.02:
-        raise TaskError(f"box: {width:.3f} m is too narrow to be squeezed by {scenario.task.squeeze:.3f} m on each side")
+    squeeze = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
+    if width - 2.0 * squeeze <= 0.02:
+        raise TaskError(f"box: {width:.3f} m is too narrow to be squeezed by {squeeze:.3f} m on each side")
     box = BoxParameters(
         width=width,
         depth=scenario.box.depth,
@@ -105,7 +115,9 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
             retreat_s=trim * scenario.timing.retreat_s,
         )
         try:
-            plan = _plan(replace(scenario, timing=timing), source, box, kinematics, limits, progress)
+            plan = _plan(replace(scenario, timing=timing), source, box, plant, kinematics, limits, progress)
+            if trim > TRIMS[-1]:
+                _check_clearance(plan)
         except TaskError as error:
             failure = failure or error
             if source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1:
@@ -122,7 +134,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
     raise failure or TaskError("plan: nothing was tried")
 
 
-def _plan(scenario, source, box, kinematics, limits, progress) -> Plan:
+def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
     notes: list[str] = []
     motion = MakeMotion(scenario, source)
     progress("learning the skill", 0.0)
@@ -153,6 +165,12 @@ def _plan(scenario, source, box, kinematics, limits, progress) -> Plan:
             reach = _find_reach(scenario, coupled, anchor, kinematics, limits, progress, scale)
         scenario = replace(scenario, task=replace(scenario.task, place_offset=[0.0, 0.0, 0.0]))
     stretch = scenario.task.duration_scale or reach.stretch
+    if scenario.task.squeeze is None:
+        held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
+        squeeze = SqueezeDepth(plant, reach.following.q[held], scenario.task.squeeze_force)
+        scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze))
+        task = MakeTask(scenario, source, motion)
+        coupled = RollOutTask(scenario, task)
     swing = np.rad2deg(reach.retarget.swing_out[1])
     if swing < 69.0:
         yaw = np.rad2deg(reach.retarget.yaw[1])
@@ -185,6 +203,36 @@ def _plan(scenario, source, box, kinematics, limits, progress) -> Plan:
         stretch=stretch,
         notes=tuple(notes),
     )
+
+
+def SqueezeDepth(plant: MultibodyPlant, postures: np.ndarray, force: float) -> float:
+    """How deep, m, each palm must be commanded into the box to press with `force`, N, on average over postures (N, 14).
+
+    Both palms yield: the force of a depth d is 2 d / (1/k_left + 1/k_right). Where that would pass LARGEST_FORCE in one
+    of the postures, the depth is lowered to it.
+    """
+    context = plant.CreateDefaultContext()
+    arms = [plant.GetModelInstanceByName(arm) for arm in ARMS]
+    compliance = np.empty(len(postures))
+    for k, q in enumerate(postures):
+        plant.SetPositions(context, q)
+        compliance[k] = sum(1.0 / palm_stiffness(plant, context, arm, DEFAULT_STIFFNESS) for arm in arms)
+    return float(min(force / np.mean(2.0 / compliance), 0.5 * LARGEST_FORCE * compliance.min()))
+
+
+def _check_clearance(plan: Plan) -> None:
+    """Refuse a plan whose arms come too close to a table or to the box, before it is carried out."""
+    checker = ClearanceChecker(plan.tables, plan.box, max_distance=0.05)
+    box = plan.planned_box()
+    # The samples were taken before the motion was slowed down; their share of the whole is the same.
+    samples = np.minimum((plan.reach.samples * plan.stretch).astype(int), len(box) - 1)
+    for k, q in zip(samples, plan.reach.following.q, strict=True):
+        distance, names = checker.min_clearance(q, rigid(box[k]))
+        if distance < CLEARANCE:
+            raise TaskError(
+                f"clearance: {names[0]} and {names[1]} come within {1000 * distance:.0f} mm at {plan.coupled.t[k]:.1f} s; "
+                "shorten timing.approach_s and timing.retreat_s, or raise task.grasp_above"
+            )
 
 
 def _find_reach(scenario, coupled, anchor, kinematics, limits, progress, scale=None) -> Reach:

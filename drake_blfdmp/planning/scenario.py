@@ -103,16 +103,18 @@ class TaskConfig:
 
     Attributes:
         held: beginning and end of the held interval on the recording's clock; None finds it.
-        squeeze: how far each palm is commanded into the box.
+        squeeze_force: how hard the palms press on the box, N, on average; the depth follows from the arms' stiffness.
+        squeeze: how far each palm is commanded into the box; None takes what gives `squeeze_force`.
         clearance: distance of each palm from the box while it is open.
-        grasp_above: how far above the box's centre the palms take it; the box then hangs, and the hands clear the table.
+        grasp_above: how far above the box's centre the palms take it; it then hangs, and the hands clear the table.
         place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
         duration_scale: stretches the motion; None slows it down just as far as the arms need.
         tail: time after the motion's end.
     """
 
     held: list[float] | None = None
-    squeeze: float = 0.012
+    squeeze_force: float = 70.0
+    squeeze: float | None = None
     clearance: float = 0.05
     grasp_above: float = 0.02
     place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
@@ -200,7 +202,7 @@ def ApplySetting(scenario: Scenario, setting: str) -> Scenario:
 
 def DumpScenario(scenario: Scenario) -> str:
     """The complete scenario as YAML; loading it again gives the same run."""
-    return yaml_dump_typed(scenario)
+    return yaml_dump_typed(scenario)  # pyright: ignore[reportReturnType]  None only where it writes a file
 
 
 def CheckScenario(scenario: Scenario) -> None:
@@ -224,6 +226,7 @@ def CheckScenario(scenario: Scenario) -> None:
         "simulation.record_rate_hz": simulation.record_rate_hz,
         "simulation.scene_rate_hz": simulation.scene_rate_hz,
         "task.clearance": task.clearance,
+        "task.squeeze_force": task.squeeze_force,
         "box.depth": box.depth,
         "box.height": box.height,
         "box.mass": box.mass,
@@ -240,11 +243,13 @@ def CheckScenario(scenario: Scenario) -> None:
             raise ScenarioError(f"scenario: {key} must be positive, not {value}")
     if not abs(task.grasp_above) < 0.5 * box.height - 0.04:
         raise ScenarioError(
-            f"scenario: task.grasp_above is {task.grasp_above:g} m, but palms of 0.045 m radius must fit on the side of a box "
-            f"{box.height:g} m high"
+            f"scenario: task.grasp_above is {task.grasp_above:g} m, but palms of 0.045 m radius must fit on the side "
+            f"of a box {box.height:g} m high"
         )
     if (scenario.learning.basis_functions or 2) < 2:
-        raise ScenarioError(f"scenario: learning.basis_functions must be at least 2, not {scenario.learning.basis_functions}")
+        raise ScenarioError(
+            f"scenario: learning.basis_functions must be at least 2, not {scenario.learning.basis_functions}"
+        )
     for key, value, size in (
         ("recording.frames", scenario.recording.frames, 2),
         ("task.held", task.held, 2),

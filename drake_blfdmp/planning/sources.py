@@ -7,7 +7,7 @@ import numpy as np
 
 from drake_blfdmp.demonstration.bones import estimate_bone_lengths
 from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
-from drake_blfdmp.demonstration.demonstration import Demonstration, KnownDimensions, Recording
+from drake_blfdmp.demonstration.demonstration import Demonstration, Recording
 from drake_blfdmp.demonstration.formats import read_recording
 from drake_blfdmp.demonstration.grasp import grasp_and_release
 from drake_blfdmp.demonstration.holding import Holding, find_holding
@@ -16,6 +16,15 @@ from drake_blfdmp.demonstration.torso_frame import to_torso_frame
 from drake_blfdmp.demonstration.virtual_kinect import record_hold_and_place
 from drake_blfdmp.errors import ScenarioError
 from drake_blfdmp.planning.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """The person's bones and the box's width, m."""
+
+    upper_arm: float
+    forearm: float
+    box_width: float
 
 
 @dataclass(frozen=True)
@@ -33,7 +42,7 @@ class Source:
     recording: Recording
     demonstration: Demonstration
     holding: Holding
-    dimensions: KnownDimensions
+    dimensions: Dimensions
     estimated: tuple[str, ...]
 
 
@@ -84,7 +93,9 @@ def _median_hand_distance(demonstration: Demonstration, held) -> float:
     return float(np.median(np.linalg.norm(x[:, 5] - x[:, 2], axis=-1)))
 
 
-def _dimensions(scenario: Scenario, demonstration: Demonstration, holding: Holding):
+def _dimensions(
+    scenario: Scenario, demonstration: Demonstration, holding: Holding
+) -> tuple[Dimensions, tuple[str, ...]]:
     upper_arm, forearm = estimate_bone_lengths(demonstration.x)
     known = demonstration.known
     wanted = {
@@ -97,4 +108,4 @@ def _dimensions(scenario: Scenario, demonstration: Demonstration, holding: Holdi
         name: float(given if given is not None else before if before is not None else estimate)
         for name, (given, before, estimate) in wanted.items()
     }
-    return KnownDimensions(**chosen), estimated
+    return Dimensions(**chosen), estimated

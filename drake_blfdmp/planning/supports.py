@@ -59,7 +59,11 @@ def ShiftForSupports(ends: Ends, box: BoxParameters, yaws: tuple[float, float], 
     """
     rise = float(ends.release[2] - ends.grasp[2])
     if same_level:
-        sentence = f"release moved by {-1000 * rise:+.0f} mm in height, on to the table of the grasp" if abs(rise) > 5e-4 else ""
+        sentence = (
+            f"release moved by {-1000 * rise:+.0f} mm in height, on to the table of the grasp"
+            if abs(rise) > 5e-4
+            else ""
+        )
         return Shift(np.array([0.0, 0.0, -rise]), 0.0, sentence)
     # The higher table is the farther one: the arms reach over the lower one, never under a table.
     side = 1.0 if rise > 0 else -1.0
@@ -69,7 +73,9 @@ def ShiftForSupports(ends: Ends, box: BoxParameters, yaws: tuple[float, float], 
     lift = max(0.0, 2.0 * GAP - (ends.top - higher))
     parts = []
     if forward:
-        parts.append(f"release moved {1000 * abs(forward):.0f} mm {'forward' if forward > 0 else 'back'} to a table of its own")
+        parts.append(
+            f"release moved {1000 * abs(forward):.0f} mm {'forward' if forward > 0 else 'back'} to a table of its own"
+        )
     if lift:
         parts.append(f"carry raised by {1000 * lift:.0f} mm to clear the higher table")
     return Shift(np.array([0.0, forward, 0.0]), lift, ", ".join(parts))

@@ -15,6 +15,9 @@ from drake_blfdmp.skill.rollout import Rollout, roll_out
 from drake_blfdmp.skill.sampled import Gains
 from drake_blfdmp.skill.skill import Skill
 
+DEFAULT_SQUEEZE = 0.012
+"""Depth, m, that is planned with before the arms' stiffness is known."""
+
 CLOSING_SHARE = 0.7
 """Share of the dwell at the grasp in which the hands close; the rest is rest on either side."""
 
@@ -103,11 +106,12 @@ def MakeTask(scenario: Scenario, source: Source, motion: TaskMotion, stretch: fl
     if stretch != 1.0:
         skill = replace(skill.with_duration(skill.tau * stretch), alpha_z=skill.alpha_z, beta_z=skill.beta_z)
     events, width = skill.events, source.dimensions.box_width
+    squeeze = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
     closing = CLOSING_SHARE * (events["grasp_end"] - events["grasp"])
     wait = 0.5 * (events["grasp_end"] - events["grasp"] - closing)
     hands = HandDistance(
         open_m=width + 2.0 * scenario.task.clearance,
-        closed_m=width - 2.0 * scenario.task.squeeze,
+        closed_m=width - 2.0 * squeeze,
         close_s=events["grasp"] + wait,
         open_s=events["release"] + wait,
         duration_s=closing,

@@ -76,7 +76,7 @@ def _renamed_link(link: ET.Element, prefix: str) -> ET.Element:
         material = part.find("material")
         if material is not None:
             material.set("name", f"{prefix}_{material.get('name')}")
-        shape = part.find("geometry")[0]
+        shape = next(part.iterfind("geometry/*"))
         if shape.tag == f"{DRAKE}capsule":
             for ball in (-0.5, 0.5):
                 link.append(_capsule_end(part, shape, ball))
@@ -99,7 +99,7 @@ def _capsule_end(part: ET.Element, capsule: ET.Element, share: float) -> ET.Elem
     rpy = [float(value) for value in origin.get("rpy", "0 0 0").split()]
     along = Rotation.from_euler("xyz", rpy).apply([0.0, 0.0, share * float(capsule.get("length"))])
     origin.set("xyz", " ".join(f"{a + b:.6g}" for a, b in zip(xyz, along, strict=True)))
-    shape = end.find("geometry")[0]
+    shape = next(end.iterfind("geometry/*"))
     shape.tag, shape.attrib = "sphere", {"radius": capsule.get("radius")}
     return end
 

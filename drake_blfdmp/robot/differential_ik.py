@@ -32,6 +32,7 @@ class IkGains:
         limit_gain: how fast a joint may approach its limit, 1/s.
         limit_margin: distance kept from the position limits, rad.
         velocity_share: share of the joint velocity limits that is used.
+        null_acceleration: how fast the null motion may change, rad/s^2.
     """
 
     pose: float = 20.0
@@ -43,6 +44,7 @@ class IkGains:
     limit_gain: float = 5.0
     limit_margin: float = 0.1
     velocity_share: float = 0.9
+    null_acceleration: float = 6.0
 
 
 DEFAULT_GAINS = IkGains()
@@ -101,7 +103,7 @@ def largest_scale(base, n, low, high):
     return max(scale, 0.0)
 
 
-def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkGains):
+def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkGains, gentle=None):
     """Joint velocities of one arm.
 
     Args:
@@ -112,6 +114,8 @@ def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkG
         low: (7,) lower bounds from `velocity_bounds`.
         high: (7,) upper bounds.
         gains: of them the damping and the null floor count here.
+        gentle: the last joint velocities (7,) and by how much the null motion may differ from theirs, rad/s: a jump of
+            the person's swivel angle then becomes no jump of torque.
 
     Returns:
         q' (7,), rad/s, and the share s in [0, 1] of the palm's twist that is met.
@@ -130,4 +134,7 @@ def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkG
         middle = 0.5 * (least + most)
         least, most = min(least, middle), max(most, middle)
     alpha = (swivel_rate - swivel_jacobian @ base) * along / (along * along + floor)
+    if gentle is not None:
+        previous, change = gentle
+        alpha = np.clip(alpha, n @ previous - change, n @ previous + change)
     return base + np.clip(alpha, least, most) * n, scale

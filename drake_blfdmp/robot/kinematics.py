@@ -57,9 +57,7 @@ class DualArmKinematics:
         plant.SetPositions(context, q)
         poses, jacobians, points = [], [], np.empty((3, 2, 3))
         for arm, ((palm, *frames), columns) in enumerate(zip(self._frames, self._columns, strict=True)):
-            jacobian = plant.CalcJacobianSpatialVelocity(
-                context, JacobianWrtVariable.kV, palm, _ORIGIN, world, world
-            )
+            jacobian = plant.CalcJacobianSpatialVelocity(context, JacobianWrtVariable.kV, palm, _ORIGIN, world, world)
             jacobians.append(jacobian[:, columns])
             poses.append(palm.CalcPoseInWorld(context))
             points[0, arm] = self._shoulders[arm]

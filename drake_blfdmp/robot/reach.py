@@ -149,8 +149,8 @@ def find_reach(
 ) -> Reach:
     """The largest scale at which the whole motion is reachable in comfort, and for it the place that needs least speed.
 
-    Where no scale is comfortable or easy, the sound one that needs least slowing down; where that is still strained, the
-    elbows' swing and the hands' yaw are limited further.
+    Where no scale is comfortable or easy, the sound one that needs least slowing down; where that is still strained,
+    the elbows' swing and the hands' yaw are limited further.
 
     Args:
         t: (N,) s.

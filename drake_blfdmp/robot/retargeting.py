@@ -12,6 +12,7 @@ from drake_blfdmp.robot.swivel import swivel_angle, swivel_rate, wrap
 from drake_blfdmp.vectors import cross, dot
 
 SHOULDERS, ELBOWS, WRISTS = np.array([0, 3]), np.array([1, 4]), np.array([2, 5])
+OVERHEAD = np.deg2rad(120.0)
 OUTWARD = np.array([1.0, -1.0])  # The sign of the swivel angle with which each arm's elbow swings away from the body.
 
 
@@ -82,6 +83,16 @@ def softly_limited(angle, limits):
     return np.sign(angle) * (np.minimum(np.abs(angle), start) + (end - start) * beyond), 1.0 - beyond**2
 
 
+def faded_overhead(psi):
+    """A factor (...) that is 1 up to 120 degrees and 0 at 180, and its derivative.
+
+    An elbow straight above the shoulder-wrist line has swung neither out nor in; without the factor the limited swing
+    would jump from one side to the other there.
+    """
+    u = np.clip((np.abs(psi) - OVERHEAD) / (np.pi - OVERHEAD), 0.0, 1.0)
+    return 0.5 * (1.0 + np.cos(np.pi * u)), -0.5 * np.pi * np.sin(np.pi * u) * np.sign(psi) / (np.pi - OVERHEAD)
+
+
 def hand_line(x, velocity, retarget: Retarget):
     """The line between the hands in W.
 
@@ -149,6 +160,8 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
     outward = OUTWARD * psi > 0
     limits = [np.where(outward, out, inward) for out, inward in zip(retarget.swing_out, retarget.swing_in, strict=True)]
     swing, slope = softly_limited(psi, limits)
+    fade, fade_slope = faded_overhead(psi)
+    swing, slope = fade * swing, fade * slope + fade_slope * swing
     if retarget.elbow_up:
         return pose, twist, wrap(np.pi - swing), -slope * psi_dot
     return pose, twist, swing, slope * psi_dot

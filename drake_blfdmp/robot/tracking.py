@@ -42,7 +42,7 @@ class DualArmTracker:
         """Use joint limits (14,) and gains."""
         self._kinematics, self._limits, self._gains = kinematics, limits, gains
 
-    def velocity(self, q, pose, twist, swivel, swivel_rate):
+    def velocity(self, q, pose, twist, swivel, swivel_rate, previous=None, time_step: float = 0.0):
         """Joint velocities at q.
 
         Args:
@@ -51,6 +51,7 @@ class DualArmTracker:
             twist: (2, 6) V_WP desired.
             swivel: (2,) desired, rad.
             swivel_rate: (2,) desired, rad/s.
+            previous: (14,) the last joint velocities, rad/s, `time_step` s ago; without them the null motion may jump.
 
         Returns:
             q' (14,), rad/s; the share (2,) of each palm's commanded twist that is met; the swivel angles (2,) now.
@@ -70,6 +71,7 @@ class DualArmTracker:
                 low[joints],
                 high[joints],
                 gains,
+                None if previous is None else (previous[joints], gains.null_acceleration * time_step),
             )
             now[arm] = state.swivel
         return q_dot, scale, now

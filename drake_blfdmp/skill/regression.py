@@ -41,7 +41,7 @@ def ridge(s, target, centers, widths, relative_penalty: float = 1e-7):
     n = len(centers)
     augmented = np.vstack([design / scale, np.sqrt(relative_penalty) * np.eye(n)])
     padded = np.vstack([target, np.zeros((n, target.shape[1]))])
-    solution, *_ = lstsq(augmented, padded)
+    solution, *_ = lstsq(augmented, padded)  # pyright: ignore[reportGeneralTypeIssues]  SciPy's types are guessed
     return solution / scale[:, None]
 
 

@@ -101,7 +101,15 @@ class SwivelDifferentialIk(LeafSystem):
         pose, twist, swivel, swivel_rate = (port.Eval(context) for port in self._inputs)
         q = context.get_discrete_state(0).CopyToVector()
         where = self._measured.Eval(context) if self._measured.HasValue(context) else q
-        q_dot, scale, now = self._tracker.velocity(where, pose.reshape(2, 7), twist.reshape(2, 6), swivel, swivel_rate)
+        q_dot, scale, now = self._tracker.velocity(
+            where,
+            pose.reshape(2, 7),
+            twist.reshape(2, 6),
+            swivel,
+            swivel_rate,
+            context.get_discrete_state(1).CopyToVector(),
+            self._time_step,
+        )
         step = q + self._time_step * q_dot
         if where is not q:
             # The bounds hold at the measured posture; a blocked arm must not wind the command past its limits.

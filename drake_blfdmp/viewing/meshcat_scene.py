@@ -13,8 +13,8 @@ from pydrake.geometry import Meshcat, MeshcatAnimation, MeshcatParams
 
 from drake_blfdmp.errors import BlfDmpError
 
-CAMERA_IN_WORLD = (1.75, 2.35, 1.65)
-TARGET_IN_WORLD = (0.35, 0.25, 0.85)
+CAMERA_IN_WORLD = (1.05, 1.75, 1.35)  # In front of the arms, which reach along +y from x = -0.2 and 0.2 m; p_WC, m.
+TARGET_IN_WORLD = (0.3, 0.15, 0.82)
 
 _log = logging.getLogger(__name__)
 _LEAST_PORT = 1024  # Drake ends the process for lower ones.

@@ -97,7 +97,7 @@ def swivel(log: RunLog) -> Figure:
         if np.isfinite(difference).any():
             robot = robot - 2 * np.pi * np.round(np.nanmedian(difference) / (2 * np.pi))
         axis.plot(log.t, np.degrees(robot), color=style.BLUE, linewidth=1.4, label="robot")
-        axis.plot(log.t, np.degrees(person), **style.PLANNED, label="person")
+        axis.plot(log.t, np.degrees(person), **style.PLANNED, label="person, mirrored")
         axis.set_ylabel(f"{name}\nswivel (deg)")
     style.finish_time_axis(axes[-1], log.t)
     style.mark_events(axes, log.events, (log.t[0], log.t[-1]))

@@ -84,7 +84,7 @@ def test_more_functions_reproduce_better():
 
 def test_the_number_of_functions_grows_with_the_duration():
     assert len(learn_skill(T, X).centers) == 50
-    assert len(learn_skill(T * 2.0, X).centers) == 80
+    assert len(learn_skill(T * 2.0, X).centers) == 66  # 5 a second of 13.2 s.
 
 
 def test_few_samples_and_many_functions_do_not_swing_between_the_samples():

@@ -151,7 +151,7 @@ def test_box_tilt_is_drawn_in_degrees(run_log):
 def test_swivel_has_no_jump_where_the_angle_wraps(run_log):
     assert np.max(np.abs(np.diff(run_log.swivel[:, 1]))) > 6.0, "the made-up log should wrap"
     for axis in swivel(run_log).axes:
-        robot, person = line(axis, "robot")[1], line(axis, "person")[1]
+        robot, person = line(axis, "robot")[1], line(axis, "person, mirrored")[1]
         assert np.max(np.abs(np.diff(robot))) < 10.0
         assert np.max(np.abs(robot - person)) < 10.0
 

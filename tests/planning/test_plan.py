@@ -1,0 +1,123 @@
+"""The plan: everything in it fits together, and each setting moves just what it names."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning.plan import BelowPalms, MakePlan
+from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
+from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.robot.retargeting import box_pose, retarget_motion, up_axis
+
+
+@pytest.fixture(scope="module")
+def moved_plan():
+    """The default with the box put down elsewhere and a given duration."""
+    return MakePlan(Scenario(task=TaskConfig(place_offset=[0.05, 0.04, 0.0], duration_scale=1.6)))
+
+
+def outline(plan, pose):
+    """The lower corners of the box at a pose, in W: (4, 3)."""
+    half = 0.5 * plan.box.size
+    corners = np.array([[a, b, -1.0] for a in (-1.0, 1.0) for b in (-1.0, 1.0)]) * half
+    return np.array([rigid(pose).multiply(corner) for corner in corners])
+
+
+def test_the_box_stands_on_a_table_at_both_ends(default_plan):
+    plan = default_plan
+    for pose, table in ((plan.start, plan.tables[0]), (plan.goal, plan.tables[-1])):
+        corners = outline(plan, pose)
+        np.testing.assert_allclose(corners[:, 2], table.top_center[2], atol=1e-9)
+        half = 0.5 * np.array(table.size)
+        assert np.all(np.abs(corners[:, :2] - table.top_center[:2]) <= half + 1e-9)
+        np.testing.assert_allclose(up_axis(pose), [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_the_first_posture_reaches_the_first_palm_poses(default_plan):
+    plan = default_plan
+    palms = retarget_motion(plan.coupled.x[0], plan.coupled.velocity[0], plan.retarget)[0]
+    for state, palm in zip(DualArmKinematics().evaluate(plan.reach.start), palms, strict=True):
+        wanted = rigid(palm)
+        np.testing.assert_allclose(state.position, wanted.translation(), atol=2e-3)
+        np.testing.assert_allclose(state.rotation, wanted.rotation().matrix(), atol=5e-3)
+    assert plan.reach.sound
+
+
+def test_nothing_touches_before_the_grasp(default_plan):
+    plan = default_plan
+    clearance, _ = ClearanceChecker(plan.tables, plan.box).min_clearance(plan.reach.start, rigid(plan.start))
+    assert clearance > 0.01
+
+
+def test_the_planned_box_waits_is_carried_between_the_palms_and_stays(default_plan):
+    plan = default_plan
+    planned, t = plan.planned_box(), plan.coupled.t
+    grasped, released = plan.task.held
+    assert planned.shape == (len(t), 7)
+    np.testing.assert_allclose(np.linalg.norm(planned[:, :4], axis=1), 1.0, atol=1e-9)
+    np.testing.assert_allclose(planned[t <= grasped], planned[:1].repeat(np.sum(t <= grasped), 0), atol=2e-4)
+    np.testing.assert_allclose(planned[t >= released], planned[-1:].repeat(np.sum(t >= released), 0), atol=2e-4)
+    np.testing.assert_allclose(planned[0, 4:], plan.start[4:], atol=1e-3)
+    np.testing.assert_allclose(planned[-1, 4:], plan.goal[4:], atol=1e-3)
+    k = len(t) // 2
+    between = box_pose(plan.coupled.x[k], plan.retarget)
+    np.testing.assert_allclose(planned[k, 4:], between[4:] - [0.0, 0.0, plan.scenario.task.grasp_above], atol=1e-9)
+    assert planned[:, 6].max() - planned[0, 6] > 0.15
+
+
+def test_the_box_hangs_along_its_own_axis():
+    half = np.sqrt(0.5)
+    tipped = np.array([[half, half, 0.0, 0.0, 1.0, 2.0, 3.0]])  # Its z axis points along -y.
+    np.testing.assert_allclose(BelowPalms(tipped, 0.1)[0, 4:], [1.0, 2.1, 3.0], atol=1e-12)
+
+
+def test_the_default_is_not_changed_by_planning_and_says_what_it_adapted(default_plan, default_scenario):
+    assert default_scenario == Scenario()
+    assert default_plan.scenario == Scenario()
+    assert default_plan.stretch >= 1.0
+    slowed = [note for note in default_plan.notes if note.startswith("slowed down")]
+    assert bool(slowed) == (default_plan.stretch > 1.005)
+    assert all(note and "\n" not in note for note in default_plan.notes)
+
+
+def test_the_duration_is_the_skills_and_the_tail(default_plan):
+    assert default_plan.duration_s == pytest.approx(default_plan.task.skill.tau + Scenario().task.tail, abs=0.01)
+    assert default_plan.task.skill.tau == pytest.approx(default_plan.stretch * default_plan.task.motion.t[-1])
+
+
+def test_place_offset_moves_the_goal_by_exactly_that(default_plan, moved_plan):
+    np.testing.assert_allclose(moved_plan.goal[4:] - default_plan.goal[4:], [0.05, 0.04, 0.0], atol=2e-3)
+    np.testing.assert_allclose(moved_plan.start[4:], default_plan.start[4:], atol=2e-3)
+    for pose, table in ((moved_plan.start, moved_plan.tables[0]), (moved_plan.goal, moved_plan.tables[-1])):
+        np.testing.assert_allclose(outline(moved_plan, pose)[:, 2], table.top_center[2], atol=1e-9)
+
+
+def test_the_scenario_of_a_plan_is_the_one_given(moved_plan):
+    assert moved_plan.scenario.task.place_offset == [0.05, 0.04, 0.0]
+
+
+def test_a_given_duration_is_kept(moved_plan):
+    assert moved_plan.stretch == 1.6
+    assert moved_plan.task.skill.tau == pytest.approx(1.6 * moved_plan.task.motion.t[-1])
+
+
+def test_a_box_wider_than_the_arms_reach_is_refused_in_one_line():
+    with pytest.raises(TaskError, match=r"cannot take a box 1\.50 m wide|1\.476|wide") as caught:
+        MakePlan(replace(Scenario(), box=BoxConfig(width=1.5)))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_box_thinner_than_the_squeeze_is_refused_in_one_line():
+    with pytest.raises(TaskError, match=r"box: 0\.040 m is too narrow to be squeezed by 0\.012 m"):
+        MakePlan(replace(Scenario(), box=BoxConfig(width=0.04)))
+
+
+def test_progress_names_each_stage_and_ends_at_one():
+    seen = []
+    with pytest.raises(TaskError):
+        MakePlan(replace(Scenario(), box=BoxConfig(width=0.04)), lambda what, share: seen.append((what, share)))
+    assert [what for what, _ in seen] == ["filming the modelled person (synthetic)", "cleaning"]
