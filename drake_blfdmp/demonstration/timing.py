@@ -23,7 +23,7 @@ class Timing:
     Attributes:
         approach_s, retreat_s: how much of the recording before the grasp and after the release is kept, s.
         dwell_s: rest at the grasp and at the release, in which the hands close and open, s.
-        rest_s: rest at the start and the end, s.
+        rest_s: rest at the start and the end, s; the arms join in after the first.
         ramp_s: time to get up to speed or to stop, s.
         speed: playback speed between the ramps; 1 is the person's.
     """
@@ -31,7 +31,7 @@ class Timing:
     approach_s: float = 0.7
     retreat_s: float = 0.7
     dwell_s: float = 0.9
-    rest_s: float = 0.4
+    rest_s: float = 0.5
     ramp_s: float = 0.7
     speed: float = 1.0
 

@@ -77,7 +77,11 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     ik = builder.AddNamedSystem(
         "ik",
         SwivelDifferentialIk(
-            kinematics=DualArmKinematics(), limits=limits, initial_position=plan.reach.start, time_step=step
+            kinematics=DualArmKinematics(),
+            limits=limits,
+            initial_position=plan.reach.start,
+            time_step=step,
+            hold_until=plan.settle_s,
         ),
     )
     forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))

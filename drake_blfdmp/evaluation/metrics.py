@@ -69,14 +69,15 @@ def largest_barrier_derivative(rollout: Rollout, gains: Gains) -> float:
     return float(barrier_derivative(xi, xi_dot, gains.k_1, gains.k_2).max())
 
 
-def robot_metrics(log: RunLog) -> dict[str, float]:
-    """How far the arms stay from their limits, and how well the palms follow the plan."""
+def robot_metrics(log: RunLog, settle_s: float = 0.0) -> dict[str, float]:
+    """How far the arms stay from their limits, and, from `settle_s` on, how well the palms follow the plan."""
+    follows = log.t >= settle_s
     return {
         "min_joint_margin_rad": float(np.minimum(log.q - log.q_lower, log.q_upper - log.q).min()),
         "max_velocity_ratio": float((np.abs(log.v) / log.v_limit).max()),
         "max_effort_ratio": float((np.abs(log.effort) / log.effort_limit).max()),
         "min_clearance_m": float(log.clearance.min()),
-        "palm_tracking_rms_m": rms_distance(log.palm[..., 4:], log.palm_desired[..., 4:]),
+        "palm_tracking_rms_m": rms_distance(log.palm[follows, :, 4:], log.palm_desired[follows, :, 4:]),
     }
 
 

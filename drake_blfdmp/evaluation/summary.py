@@ -88,7 +88,7 @@ def MakeSummary(plan: Plan, log: RunLog, margins: np.ndarray, simulated_s: float
             "lift_m": float(z.max() - z[0]),
             "box_width_m": plan.box.width,
         },
-        "robot": robot_metrics(log),
+        "robot": robot_metrics(log, plan.settle_s),
         "box": box_metrics(log, held, plan.goal, float(plan.start[6]), plan.box.width),
         "timing": {
             "simulated_s": simulated_s,

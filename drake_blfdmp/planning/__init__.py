@@ -4,5 +4,6 @@
 - `sources`: the scenario's recording, cleaned, in the torso frame, with its held interval.
 - `task`: the motion on the task's clock, the skill, the bands.
 - `supports`: the tables, and the shift that makes room for them.
+- `span`: how far apart the palms can be at all.
 - `plan`: all of it in order, `MakePlan`.
 """

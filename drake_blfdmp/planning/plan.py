@@ -9,6 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource, Source
+from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
 from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
@@ -26,7 +27,7 @@ Progress = Callable[[str, float], None]
 CLEARANCE = 0.008
 """Least distance, m, a plan keeps between bodies that must not touch."""
 
-LARGEST_FORCE = 85.0
+LARGEST_FORCE = 70.0
 """Largest planned force of a palm, N: joint 6 carries it on a lever of 0.088 m and has 12 N m."""
 
 TRIMS = (1.0, 0.6, 0.3, 0.0)
@@ -65,6 +66,11 @@ class Plan:
     def retarget(self) -> Retarget:
         """The map from the person to the arms."""
         return self.reach.retarget
+
+    @property
+    def settle_s(self) -> float:
+        """How long the arms wait at the start, s: the rest in which the skill's initial errors vanish."""
+        return self.scenario.timing.rest_s * self.stretch
 
     @property
     def duration_s(self) -> float:
@@ -107,6 +113,12 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
     plant = MakeKinematicPlant()
     kinematics = DualArmKinematics(plant)
     limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(arm) for arm in ARMS])
+    opened, widest = width + 2.0 * scenario.task.clearance, WidestSpan(plant, limits)
+    if opened > widest:
+        raise TaskError(
+            f"box: {width:.2f} m wide, the palms must open to {opened:.2f} m and can be {widest:.2f} m apart at most; "
+            "use a narrower box"
+        )
     failure = None
     for trim in TRIMS:
         timing = replace(
@@ -162,7 +174,7 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
         if not same_level or np.any(scenario.task.place_offset):
-            reach = _find_reach(scenario, coupled, anchor, kinematics, limits, progress, scale)
+            reach = _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, reach.retarget)
         scenario = replace(scenario, task=replace(scenario.task, place_offset=[0.0, 0.0, 0.0]))
     stretch = scenario.task.duration_scale or reach.stretch
     if scenario.task.squeeze is None:
@@ -235,20 +247,37 @@ def _check_clearance(plan: Plan) -> None:
             )
 
 
-def _find_reach(scenario, coupled, anchor, kinematics, limits, progress, scale=None) -> Reach:
+def _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, before: Retarget) -> Reach:
+    """The reach of a motion whose release was moved: the grasp stays where it was if the arms can do that."""
+    if np.any(scenario.task.place_offset):
+        first = _index(coupled, scenario.timing.rest_s)
+        person = 0.5 * (coupled.x[first:, 0] + coupled.x[first:, 3]).mean(axis=0)
+        try:
+            return _find_reach(
+                scenario, coupled, anchor, kinematics, limits, progress, before.scale, before.point(person)
+            )
+        except TaskError:
+            pass  # Out of reach there; another place may do.
+    return _find_reach(scenario, coupled, anchor, kinematics, limits, progress, before.scale)
+
+
+def _find_reach(scenario, coupled, anchor, kinematics, limits, progress, scale=None, world=None) -> Reach:
     config = scenario.retarget
-    return find_reach(
-        coupled.t,
-        coupled.x,
-        anchor,
+    # The arms join in when the initial errors have vanished; see `Plan.settle_s`.
+    first = _index(coupled, scenario.timing.rest_s)
+    reach = find_reach(
+        coupled.t[first:],
+        coupled.x[first:],
+        anchor - first,
         kinematics=kinematics,
         limits=limits,
         scale=config.scale if config.scale is not None else scale,
-        world=None if config.world is None else np.array(config.world),
+        world=world if config.world is None else np.array(config.world),
         level=config.level,
         elbow_up=config.elbow_up,
         progress=lambda share: progress("finding a reachable place", share),
     )
+    return replace(reach, samples=reach.samples + first)
 
 
 def _index(rollout: Rollout, t: float) -> int:

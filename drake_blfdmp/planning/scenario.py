@@ -16,6 +16,10 @@ from drake_blfdmp.errors import ScenarioError
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.regression import METHODS
 
+LONGEST_TIME_STEP = 0.03
+"""The longest step of the plant, s: with longer ones the contact of palms and box is no longer a grip."""
+
+
 
 @dataclass
 class RecordingConfig:
@@ -113,7 +117,7 @@ class TaskConfig:
     """
 
     held: list[float] | None = None
-    squeeze_force: float = 70.0
+    squeeze_force: float = 55.0
     squeeze: float | None = None
     clearance: float = 0.05
     grasp_above: float = 0.02
@@ -232,21 +236,30 @@ def CheckScenario(scenario: Scenario) -> None:
         "box.mass": box.mass,
         "box.friction": box.friction,
     }
-    for key in ("width",):
-        if getattr(box, key) is not None:
-            positive[f"box.{key}"] = getattr(box, key)
-    for key in ("scale",):
-        if getattr(scenario.retarget, key) is not None:
-            positive[f"retarget.{key}"] = getattr(scenario.retarget, key)
+    optional = {
+        "box.width": box.width,
+        "retarget.scale": scenario.retarget.scale,
+        "task.duration_scale": task.duration_scale,
+        "task.squeeze": task.squeeze,
+        "bands.upper_arm": scenario.bands.upper_arm,
+        "bands.forearm": scenario.bands.forearm,
+    }
+    positive |= {key: value for key, value in optional.items() if value is not None}
     for key, value in positive.items():
-        if not value > 0:
-            raise ScenarioError(f"scenario: {key} must be positive, not {value}")
+        if not 0 < value < float("inf"):
+            raise ScenarioError(f"scenario: {key} must be positive and finite, not {value}")
+    if not 0 <= task.tail < float("inf"):
+        raise ScenarioError(f"scenario: task.tail must not be negative, not {task.tail}")
+    if simulation.time_step > LONGEST_TIME_STEP:
+        raise ScenarioError(
+            f"scenario: simulation.time_step is {simulation.time_step:g} s, contact needs at most {LONGEST_TIME_STEP:g} s"
+        )
     if not abs(task.grasp_above) < 0.5 * box.height - 0.04:
         raise ScenarioError(
             f"scenario: task.grasp_above is {task.grasp_above:g} m, but palms of 0.045 m radius must fit on the side "
             f"of a box {box.height:g} m high"
         )
-    if (scenario.learning.basis_functions or 2) < 2:
+    if scenario.learning.basis_functions is not None and scenario.learning.basis_functions < 2:
         raise ScenarioError(
             f"scenario: learning.basis_functions must be at least 2, not {scenario.learning.basis_functions}"
         )
@@ -258,6 +271,16 @@ def CheckScenario(scenario: Scenario) -> None:
     ):
         if value is not None and len(value) != size:
             raise ScenarioError(f"scenario: {key} must have {size} numbers, not {len(value)}")
+
+
+def _listed_joints(tree: dict) -> dict:
+    """The tree with every joint's columns in a list: Drake's loader would take a lone name letter by letter."""
+    recording = tree.get("recording")
+    joints = recording.get("joints") if isinstance(recording, dict) else None
+    if not isinstance(joints, dict):
+        return tree
+    listed = {key: [value] if isinstance(value, str) else value for key, value in joints.items()}
+    return {**tree, "recording": {**recording, "joints": listed}}
 
 
 def _parse(text: str, where: str):
@@ -274,7 +297,7 @@ def _merge(scenario: Scenario, tree, where: str) -> Scenario:
         raise ScenarioError(f"{where}: must hold keys and values")
     _check_keys(scenario, tree, where, "")
     try:
-        return yaml_load_typed(schema=Scenario, data=yaml.safe_dump(tree), defaults=scenario)
+        return yaml_load_typed(schema=Scenario, data=yaml.safe_dump(_listed_joints(tree)), defaults=scenario)
     except Exception as error:  # Drake's loader raises bare errors of several types
         raise ScenarioError(f"{where}: {str(error).splitlines()[0]}") from error
 

@@ -27,7 +27,7 @@ POSE_TOLERANCE = 2e-3
 JOINT_MARGIN = 0.09
 CLEARANCE = 0.02
 COMFORT = 0.2
-EASE = 1.5
+EASE = 2.0
 """A motion that need not be slowed down more than this is taken without looking at smaller scales."""
 
 STRAINED = 3.0
@@ -131,7 +131,7 @@ def calmed(retarget: Retarget, share: float) -> Retarget:
 
 
 def _rank(reach: Reach) -> tuple[bool, float]:
-    return (not reach.comfortable, reach.stretch)
+    return (not reach.comfortable, reach.stretch / np.sqrt(reach.retarget.scale))
 
 
 def find_reach(

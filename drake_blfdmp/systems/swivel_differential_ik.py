@@ -43,6 +43,7 @@ class SwivelDifferentialIk(LeafSystem):
         limits: JointLimits,
         initial_position: np.ndarray,
         time_step: float,
+        hold_until: float = 0.0,
         gains: IkGains = DEFAULT_GAINS,
     ):
         """Build the system.
@@ -52,6 +53,7 @@ class SwivelDifferentialIk(LeafSystem):
             limits: of their joints.
             initial_position: (14,) rad.
             time_step: period of the discrete update, s, positive.
+            hold_until: the arms stay at `initial_position` until this time, s, while the skill's initial errors vanish.
             gains: of the closed loop; a step must not overshoot, so none of them times `time_step` may exceed 1.
 
         Raises:
@@ -70,7 +72,7 @@ class SwivelDifferentialIk(LeafSystem):
             )
         self._limits = limits
         self._tracker = DualArmTracker(kinematics, limits, gains)
-        self._time_step = time_step
+        self._time_step, self._hold_until = time_step, hold_until
         self._inputs = [
             self.DeclareVectorInputPort(name, size)
             for name, size in (("palm_poses", 14), ("palm_twists", 12), ("swivel", 2), ("swivel_rate", 2))
@@ -98,6 +100,8 @@ class SwivelDifferentialIk(LeafSystem):
         output.SetFromVector(np.concatenate([q, v]))
 
     def _update(self, context, discrete_state):
+        if context.get_time() < self._hold_until - 0.5 * self._time_step:
+            return  # The states keep their values: still, at the initial position.
         pose, twist, swivel, swivel_rate = (port.Eval(context) for port in self._inputs)
         q = context.get_discrete_state(0).CopyToVector()
         where = self._measured.Eval(context) if self._measured.HasValue(context) else q
