@@ -42,6 +42,12 @@ class Run:
     folder: Path
 
 
+def RefuseUsedFolder(folder: Path) -> None:
+    """Raises BlfDmpError where a run's folder would overwrite something."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise BlfDmpError(f"--out {folder}: exists already and is not empty; nothing is overwritten, name another")
+
+
 def MakeRunFolder(folder: Path | None, name: str) -> Path:
     """Create the run's folder; by default `runs/<name>-<date and time>`, made unique.
 
@@ -51,10 +57,7 @@ def MakeRunFolder(folder: Path | None, name: str) -> Path:
     try:
         if folder is not None:
             folder = Path(folder)
-            if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-                raise BlfDmpError(
-                    f"--out {folder}: exists already and is not empty; nothing is overwritten, name another"
-                )
+            RefuseUsedFolder(folder)
             folder.mkdir(parents=True, exist_ok=True)
             return folder
         stamp = time.strftime("%Y%m%d-%H%M%S")
@@ -87,6 +90,8 @@ def CarryOut(
     Raises:
         BlfDmpError: one line that says what, where and what to do. Files already written stay.
     """
+    if folder is not None:
+        RefuseUsedFolder(Path(folder))  # Said before the planning, not after it.
     plan = MakePlan(scenario, progress)
     folder = MakeRunFolder(folder, scenario.name)
     (folder / "scenario.yaml").write_text(DumpScenario(scenario), encoding="utf-8")

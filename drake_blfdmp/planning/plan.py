@@ -30,7 +30,7 @@ CLEARANCE = 0.008
 LARGEST_FORCE = 70.0
 """Largest planned force of a palm, N: joint 6 carries it on a lever of 0.088 m and has 12 N m."""
 
-TRIMS = (1.0, 0.6, 0.3, 0.0)
+TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
 
 
@@ -119,8 +119,10 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
             f"box: {width:.2f} m wide, the palms must open to {opened:.2f} m and can be {widest:.2f} m apart at most; "
             "use a narrower box"
         )
-    failure = None
-    for trim in TRIMS:
+    failure, tight = None, None
+    # Where the whole recording is held there is nothing to trim.
+    whole = source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1
+    for trim in TRIMS[:1] if whole else TRIMS:
         timing = replace(
             scenario.timing,
             approach_s=trim * scenario.timing.approach_s,
@@ -128,21 +130,24 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
         )
         try:
             plan = _plan(replace(scenario, timing=timing), source, box, plant, kinematics, limits, progress)
-            if trim > TRIMS[-1]:
+            if trim > TRIMS[-1] and not whole:
                 _check_clearance(plan)
         except TaskError as error:
             failure = failure or error
-            if source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1:
-                break  # Nothing to trim.
             continue
         notes = plan.notes
-        if trim < 1.0:
+        if trim < 1.0 and scenario.timing.approach_s + scenario.timing.retreat_s > 0:
             notes = (
                 f"only {timing.approach_s:.1f} s before the grasp and {timing.retreat_s:.1f} s after the release are "
-                "kept: the rest is out of the arms' reach",
+                "kept: the rest is out of the arms' easy reach",
                 *notes,
             )
-        return replace(plan, notes=notes, scenario=scenario)
+        plan = replace(plan, notes=notes, scenario=scenario)
+        if plan.reach.comfortable:
+            return plan
+        tight = tight or plan
+    if tight is not None:
+        return tight
     raise failure or TaskError("plan: nothing was tried")
 
 
@@ -242,8 +247,8 @@ def _check_clearance(plan: Plan) -> None:
         distance, names = checker.min_clearance(q, rigid(box[k]))
         if distance < CLEARANCE:
             raise TaskError(
-                f"clearance: {names[0]} and {names[1]} come within {1000 * distance:.0f} mm at {plan.coupled.t[k]:.1f} s; "
-                "shorten timing.approach_s and timing.retreat_s, or raise task.grasp_above"
+                f"clearance: {names[0]} and {names[1]} come within {1000 * distance:.0f} mm at "
+                f"{plan.coupled.t[k]:.1f} s; shorten timing.approach_s and timing.retreat_s, or raise task.grasp_above"
             )
 
 

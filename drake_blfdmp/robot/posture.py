@@ -32,6 +32,16 @@ class Following:
     swivel_error: float
     joint_margin: float
 
+    @property
+    def shoulder_lean(self) -> float:
+        """How far the upper arms stay from straight up, where joints 1 and 3 turn about one axis, rad; 0 if one crosses.
+
+        There the joints need any speed for a small motion of the elbow.
+        """
+        lean = self.q[:, [1, 1 + JOINTS_PER_ARM]]
+        crosses = (lean.min(axis=0) < 0.0) & (lean.max(axis=0) > 0.0)
+        return float(np.where(crosses, 0.0, np.abs(lean).min(axis=0)).min())
+
 
 def starting_posture(
     kinematics: DualArmKinematics, limits: JointLimits, pose, swivel, *, seeds: int = 12, seed: int = 0

@@ -69,8 +69,10 @@ class Reach:
 
     @property
     def comfortable(self) -> bool:
-        """Sound, with margins to spare."""
-        return self.sound and self.following.joint_margin >= COMFORT and self.clearance >= 0.25 * COMFORT
+        """Sound, with margins to spare from limits, from other bodies and from the shoulders' singularity."""
+        following = self.following
+        spare = min(following.joint_margin, following.shoulder_lean, 4.0 * self.clearance)
+        return self.sound and spare >= COMFORT
 
 
 def needed_stretch(t, q, limits: JointLimits) -> float:

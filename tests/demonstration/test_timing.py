@@ -1,4 +1,4 @@
-"""The task's clock: rest to rest in closed form, rests and dwells where they belong, twice continuously differentiable."""
+"""The task's clock: rest to rest in closed form, rests and dwells where they belong, no jump in acceleration."""
 
 from dataclasses import replace
 

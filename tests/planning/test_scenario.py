@@ -65,6 +65,7 @@ def test_settings_apply_in_order_over_the_file(tmp_path):
         ("recording.file='my data: 1.csv'", lambda s: s.recording.file, "my data: 1.csv"),
         ("recording.frames=[3, 9]", lambda s: s.recording.frames, [3, 9]),
         ("recording.joints={left_wrist: [a, b, c]}", lambda s: s.recording.joints, {"left_wrist": ["a", "b", "c"]}),
+        ("recording.joints={left_wrist: Hand}", lambda s: s.recording.joints, {"left_wrist": ["Hand"]}),
         ("task.place_offset=[0, -0.1, 0]", lambda s: s.task.place_offset, [0.0, -0.1, 0.0]),
         ("retarget.level=false", lambda s: s.retarget.level, False),
         ("timing.dwell_s=2", lambda s: s.timing.dwell_s, 2.0),
@@ -103,7 +104,7 @@ def test_a_section_is_no_single_value(section, value):
 @pytest.mark.parametrize(
     "setting",
     ["box.mass=heavy", "box.mass=[1]", "box.mass=", "seed=1.5", "seed=abc", "recording.frames=[a, b]", "box.mass.x=1",
-     "task.place_offset=3", "retarget.level=7", "recording.joints=[1]", "recording.joints={left_wrist: HandLeft}"],
+     "task.place_offset=3", "retarget.level=7", "recording.joints=[1]", "recording.joints={left_wrist: {a: b}}"],
 )  # fmt: skip
 def test_a_value_of_the_wrong_type_is_refused_in_one_line_with_the_setting(setting):
     assert refused(ApplySetting, Scenario(), setting).startswith(f"--set {setting}: ")
@@ -140,6 +141,14 @@ def test_a_file_that_is_not_yaml_or_not_there_is_refused_by_name(tmp_path):
         ("simulation.skill_time_step=-1", "simulation.skill_time_step must be positive"),
         ("retarget.scale=0", "retarget.scale must be positive"),
         ("task.clearance=0", "task.clearance must be positive"),
+        ("box.mass=.inf", "box.mass must be positive and finite"),
+        ("simulation.time_step=0.02", "simulation.time_step is 0.02 s; contact needs 0.01 s or less"),
+        ("task.duration_scale=0", "task.duration_scale must be positive"),
+        ("task.squeeze=-0.01", "task.squeeze must be positive"),
+        ("task.tail=-0.1", "task.tail must not be negative"),
+        ("bands.upper_arm=-1", "bands.upper_arm must be positive"),
+        ("bands.forearm=0", "bands.forearm must be positive"),
+        ("learning.basis_functions=0", "learning.basis_functions must be at least 2"),
         ("task.held=[1, 2, 3]", "task.held must have 2 numbers, not 3"),
         ("task.place_offset=[1]", "task.place_offset must have 3 numbers, not 1"),
         ("retarget.world=[1, 2]", "retarget.world must have 3 numbers, not 2"),
@@ -169,7 +178,9 @@ def test_a_dumped_scenario_loads_to_itself(tmp_path, scenario):
     assert loaded(tmp_path, DumpScenario(scenario)) == scenario
 
 
-@given(mass=st.floats(1e-6, 1e6), offset=st.lists(st.floats(-9, 9), min_size=3, max_size=3), seed=st.integers(0, 2**31 - 1))
+@given(
+    mass=st.floats(1e-6, 1e6), offset=st.lists(st.floats(-9, 9), min_size=3, max_size=3), seed=st.integers(0, 2**31 - 1)
+)
 def test_numbers_survive_dumping_to_the_last_bit(tmp_path_factory, mass, offset, seed):
     scenario = Scenario(seed=seed, box=BoxConfig(mass=mass), task=TaskConfig(place_offset=offset))
     path = tmp_path_factory.mktemp("dump") / "s.yaml"

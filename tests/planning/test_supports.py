@@ -8,9 +8,7 @@ from hypothesis import strategies as st
 from drake_blfdmp.planning.supports import GAP, LEVEL_WITHIN, RIM, Ends, MakeSupports, ShiftForSupports, half_extent_y
 from drake_blfdmp.robot.box import BoxParameters
 
-boxes = st.builds(
-    BoxParameters, width=st.floats(0.1, 0.5), depth=st.floats(0.08, 0.4), height=st.floats(0.1, 0.4)
-)
+boxes = st.builds(BoxParameters, width=st.floats(0.1, 0.5), depth=st.floats(0.08, 0.4), height=st.floats(0.1, 0.4))
 yaws = st.tuples(st.floats(-np.pi / 4, np.pi / 4), st.floats(-np.pi / 4, np.pi / 4))
 positions = st.tuples(st.floats(-0.3, 0.3), st.floats(0.2, 0.8), st.floats(0.5, 1.2)).map(np.array)
 

@@ -9,7 +9,7 @@ from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.errors import ScenarioError, SkillError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
-from drake_blfdmp.planning.task import Centred, MakeMotion, MakeTask, Raised, RollOutTask, Shifted
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, Centred, MakeMotion, MakeTask, Raised, RollOutTask, Shifted
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,9 @@ def still_hands(wander):
 
 def test_the_middle_stays_in_the_boxs_plane_while_the_hands_are_open():
     t = np.arange(501) / 100.0
-    wander = np.where(t < 1.0, 0.05 * (1 - t), np.where(t > 4.0, 0.03 * (t - 4.0), 0.02 * np.sin(3 * (t - 1) * (4 - t))))
+    wander = np.where(
+        t < 1.0, 0.05 * (1 - t), np.where(t > 4.0, 0.03 * (t - 4.0), 0.02 * np.sin(3 * (t - 1) * (4 - t)))
+    )
     motion, line = still_hands(wander)
     centred = Centred(motion)
     np.testing.assert_allclose(middle(centred.x)[t < 1.0] @ line, 0.0, atol=1e-12)
@@ -103,7 +105,11 @@ def test_a_shift_is_nothing_before_and_everything_after_its_window(motion):
     shift, window = np.array([0.1, -0.2, 0.05]), (3.0, 4.0)
     moved = Shifted(motion, shift, window).x - motion.x
     np.testing.assert_allclose(moved[motion.t <= 3.0], 0.0, atol=1e-15)
-    np.testing.assert_allclose(moved[motion.t >= 4.0], np.broadcast_to(shift, (6, 3))[None].repeat(1, 0) + 0 * moved[motion.t >= 4.0], atol=1e-12)
+    np.testing.assert_allclose(
+        moved[motion.t >= 4.0],
+        np.broadcast_to(shift, (6, 3))[None].repeat(1, 0) + 0 * moved[motion.t >= 4.0],
+        atol=1e-12,
+    )
     share = moved[:, 0, 0] / shift[0]
     assert np.diff(share).min() >= -1e-12
     assert share[np.searchsorted(motion.t, 3.5)] == pytest.approx(0.5, abs=1e-6)
@@ -118,7 +124,9 @@ def test_raising_reaches_its_height_in_the_middle_and_leaves_the_ends(motion):
     assert moved.max() <= 0.08 + 1e-12
 
 
-@pytest.mark.parametrize("change", [lambda m: Shifted(m, [0.1, 0.0, 0.0], (3.0, 4.0)), lambda m: Raised(m, 0.1, (3.0, 4.5))])
+@pytest.mark.parametrize(
+    "change", [lambda m: Shifted(m, [0.1, 0.0, 0.0], (3.0, 4.0)), lambda m: Raised(m, 0.1, (3.0, 4.5))]
+)
 def test_changes_of_the_motion_are_smooth(motion, change):
     """A quintic step of 0.1 m over a third of 1.5 s accelerates by 10/sqrt(3) 0.1/0.5^2 m/s^2 at most."""
     moved = change(motion).x - motion.x
@@ -135,7 +143,7 @@ def test_the_hands_close_within_the_dwell_at_the_grasp_and_open_within_that_at_t
 def test_the_hands_distance_is_the_box_and_what_is_given_or_taken(task):
     hands, given = task.bands.hands, Scenario().task
     times = np.array([0.0, hands.close_s, task.held[0], np.mean(task.held), task.held[1], task.skill.tau])
-    opened, closed = 0.30 + 2 * given.clearance, 0.30 - 2 * given.squeeze
+    opened, closed = 0.30 + 2 * given.clearance, 0.30 - 2 * DEFAULT_SQUEEZE
     np.testing.assert_allclose(hands.evaluate(times)[0], [opened, opened, closed, closed, closed, opened])
 
 

@@ -85,10 +85,10 @@ def test_it_starts_at_rest_at_the_initial_position(system):
 def test_the_update_is_one_step_of_the_tracker(system):
     context, values = system.CreateDefaultContext(), goal()
     fix(system, context, values)
-    tracker, q = DualArmTracker(KINEMATICS, LIMITS), START
+    tracker, q, q_dot = DualArmTracker(KINEMATICS, LIMITS), START, np.zeros(14)
     for _ in range(5):
         update(system, context)
-        q_dot, scale, now = tracker.velocity(q, *values)
+        q_dot, scale, now = tracker.velocity(q, *values, q_dot, DT)
         q = q + DT * q_dot
         got = outputs(system, context)
         np.testing.assert_allclose(got["position"], q, atol=1e-13)
@@ -200,3 +200,32 @@ def test_a_time_step_that_cannot_work_is_refused(time_step):
 def test_an_initial_position_that_is_none_is_refused(initial_position):
     with pytest.raises(TaskError, match="14 finite joint angles"):
         make(initial_position=initial_position)
+
+
+def test_the_arms_wait_until_told(kinematics=KINEMATICS):
+    system = SwivelDifferentialIk(
+        kinematics=kinematics, limits=LIMITS, initial_position=START, time_step=DT, hold_until=3.0 * DT
+    )
+    context, values = system.CreateDefaultContext(), goal()
+    fix(system, context, values)
+    for k in range(6):
+        context.SetTime(k * DT)
+        update(system, context)
+        moved = np.abs(outputs(system, context)["position"] - START).max()
+        assert (moved > 0.0) == (k >= 3)
+
+
+def test_a_jump_of_the_persons_swivel_angle_is_no_jump_of_the_null_motion(system):
+    context, values = system.CreateDefaultContext(), list(goal())
+    tracker = DualArmTracker(KINEMATICS, LIMITS)
+    fix(system, context, values)
+    for _ in range(100):
+        update(system, context)
+    before = outputs(system, context)["velocity"]
+    values[2] = values[2] + 1.0
+    fix(system, context, values)
+    q = outputs(system, context)["position"]
+    update(system, context)
+    after = outputs(system, context)["velocity"]
+    free = tracker.velocity(q, *values)[0]
+    assert np.abs(after - before).max() < 0.2 * np.abs(free - before).max()
