@@ -8,6 +8,7 @@ Exit status: 0 success, 1 the run ended without success, 2 bad input.
 """
 
 import argparse
+import logging
 import sys
 from pathlib import Path
 
@@ -109,6 +110,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse(arguments)
     from drake_blfdmp.errors import BlfDmpError
 
+    logging.getLogger("drake").setLevel(logging.WARNING)
     try:
         return run(options)
     except BlfDmpError as error:

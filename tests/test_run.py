@@ -348,8 +348,8 @@ def test_an_unknown_option_is_a_usage_error(tmp_path):
 
 def test_short_options_are_settings(command_line):
     options = command_line.parse(
-        ["--recording", "it's.csv", "--frames", "3:9", "--joints", "left_wrist=Hand L", "right_wrist=a,b,c", "--unit", "mm",
-         "--seed", "4", "--set", "seed=5"]
+        ["--recording", "it's.csv", "--frames", "3:9", "--joints", "left_wrist=Hand L", "right_wrist=a,b,c",
+         "--unit", "mm", "--seed", "4", "--set", "seed=5"]
     )  # fmt: skip
     from drake_blfdmp.planning.scenario import ApplySetting, Scenario
 

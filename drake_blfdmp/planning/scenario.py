@@ -251,7 +251,8 @@ def CheckScenario(scenario: Scenario) -> None:
         raise ScenarioError(f"scenario: task.tail must not be negative, not {task.tail}")
     if simulation.time_step > LONGEST_TIME_STEP:
         raise ScenarioError(
-            f"scenario: simulation.time_step is {simulation.time_step:g} s; contact needs {LONGEST_TIME_STEP:g} s or less"
+            f"scenario: simulation.time_step is {simulation.time_step:g} s; contact needs at most "
+            f"{LONGEST_TIME_STEP:g} s"
         )
     if not abs(task.grasp_above) < 0.5 * box.height - 0.04:
         raise ScenarioError(

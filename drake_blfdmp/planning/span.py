@@ -27,8 +27,7 @@ def WidestSpan(plant: MultibodyPlant, limits: JointLimits | None = None) -> floa
         palm, wrist, shoulder = (
             plant.GetFrameByName(name, arm).CalcPoseInWorld(context) for name in ("palm", "wrist", "shoulder")
         )
-        normal = palm.rotation().matrix()[:, 2]
-        span += float(np.linalg.norm(wrist.translation() - shoulder.translation()))
-        span -= float(normal @ (palm.translation() - wrist.translation()))
-        shoulders.append(shoulder.translation())
+        behind = np.asarray((palm.inverse() @ wrist).translation())[2]  # The normal is the palm's z axis.
+        span += float(np.linalg.norm((shoulder.inverse() @ wrist).translation())) + float(behind)
+        shoulders.append(np.asarray(shoulder.translation()))
     return span + float(np.linalg.norm(shoulders[1] - shoulders[0]))

@@ -34,7 +34,7 @@ class Following:
 
     @property
     def shoulder_lean(self) -> float:
-        """How far the upper arms stay from straight up, where joints 1 and 3 turn about one axis, rad; 0 if one crosses.
+        """How far the upper arms stay from straight up, where joints 1 and 3 share an axis, rad; 0 if one crosses.
 
         There the joints need any speed for a small motion of the elbow.
         """

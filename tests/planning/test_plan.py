@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.planning.plan import BelowPalms, MakePlan
+from drake_blfdmp.planning.plan import LARGEST_FORCE, BelowPalms, MakePlan, SqueezeDepth
 from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
 from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, MakeKinematicPlant
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.robot.retargeting import box_pose, retarget_motion, up_axis
 
@@ -123,3 +125,18 @@ def test_progress_names_each_stage_and_ends_at_one():
     with pytest.raises(TaskError):
         MakePlan(replace(Scenario(), box=BoxConfig(width=0.04)), lambda what, share: seen.append((what, share)))
     assert [what for what, _ in seen] == ["filming the modelled person (synthetic)", "cleaning"]
+
+
+def test_the_squeeze_gives_the_force_that_was_asked_for(default_plan):
+    plant = MakeKinematicPlant()
+    postures = default_plan.reach.following.q[20:40]
+    depth = SqueezeDepth(plant, postures, 40.0)
+    context, forces = plant.CreateDefaultContext(), []
+    for q in postures:
+        plant.SetPositions(context, q)
+        stiffness = [
+            palm_stiffness(plant, context, plant.GetModelInstanceByName(arm), DEFAULT_STIFFNESS) for arm in ARMS
+        ]
+        forces.append(2.0 * depth / sum(1.0 / k for k in stiffness))
+    np.testing.assert_allclose(np.mean(forces), 40.0)
+    assert SqueezeDepth(plant, postures, 500.0) * max(forces) / depth == pytest.approx(LARGEST_FORCE)
