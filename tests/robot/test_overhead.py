@@ -27,7 +27,7 @@ def test_the_robots_swivel_does_not_jump_where_the_persons_elbow_passes_overhead
     arm[:, 2] = [0.0, 0.4, 0.0]
     # psi = 0 hangs down; positive towards -x.
     arm[:, 1] = np.stack([-0.15 * np.sin(turn), np.full_like(turn, 0.2), -0.15 * np.cos(turn)], axis=-1)
-    x = np.concatenate([arm, arm + [0.4, 0.0, 0.0]], axis=1)
+    x = np.concatenate([arm, arm + np.array([0.4, 0.0, 0.0])], axis=1)
     psi = retarget_motion(x, np.zeros_like(x), MAP)[2]
     steps = np.abs((np.diff(psi, axis=0) + np.pi) % (2 * np.pi) - np.pi)
     assert steps.max() < 0.01
