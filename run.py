@@ -95,6 +95,12 @@ def run(options: argparse.Namespace) -> int:
     summary = result.summary
     kind = "synthetic" if summary["recording"]["synthetic"] else "recorded"
     print(f"\n{summary['recording']['source']} ({kind}), law {summary['law']}")
+    repairs = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in summary["recording"]["repairs"].items() if n)
+    held = summary["recording"]["held_s"]
+    width = summary["plan"]["box_width_m"]
+    print(f"held from {held[0]:.2f} to {held[1]:.2f} s, box {width:.3f} m wide; repairs: {repairs or 'none'}")
+    place = ", ".join(f"{value:.2f}" for value in summary["plan"]["world_m"])
+    print(f"retargeted at scale {summary['plan']['scale']:g}, shoulders to ({place}) m")
     for note in summary["plan"]["notes"]:
         print(f"note: {note}")
     print(f"\n{table(summary)}\n")

@@ -155,6 +155,8 @@ def test_slip_is_along_the_palm_from_the_first_sample():
     slide = np.linspace(0.0, 0.012, 5)
     box = np.tile(pose(), (5, 1))
     np.testing.assert_allclose(slip(palms(5, slide), box, 0.3), np.stack([slide, 0 * slide], -1), atol=1e-12)
+    taken_off_centre = palms(5, 0.03 + slide)
+    np.testing.assert_allclose(slip(taken_off_centre, box, 0.3)[:, 0], slide, atol=1e-12)
     pressed = palms(5)
     pressed[:, 0, 4] += slide  # Along the normal: no slip.
     np.testing.assert_allclose(slip(pressed, box, 0.3), 0.0, atol=1e-12)
