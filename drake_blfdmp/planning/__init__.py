@@ -5,5 +5,6 @@
 - `task`: the motion on the task's clock, the skill, the bands.
 - `supports`: the tables, and the shift that makes room for them.
 - `span`: how far apart the palms can be at all.
+- `squeeze`: the depth for a force.
 - `plan`: all of it in order, `MakePlan`.
 """

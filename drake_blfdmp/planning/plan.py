@@ -4,19 +4,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource, Source
 from drake_blfdmp.planning.span import WidestSpan
+from drake_blfdmp.planning.squeeze import SqueezeDepth
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
 from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
-from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, MakeKinematicPlant, ReadJointLimits
+from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.reach import Reach, find_reach, rigid
 from drake_blfdmp.robot.retargeting import Retarget, box_pose, hand_line, up_axis
 from drake_blfdmp.skill.rollout import Rollout
@@ -26,9 +25,6 @@ Progress = Callable[[str, float], None]
 
 CLEARANCE = 0.008
 """Least distance, m, a plan keeps between bodies that must not touch."""
-
-LARGEST_FORCE = 70.0
-"""Largest planned force of a palm, N: joint 6 carries it on a lever of 0.088 m and has 12 N m."""
 
 TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
@@ -220,21 +216,6 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         stretch=stretch,
         notes=tuple(notes),
     )
-
-
-def SqueezeDepth(plant: MultibodyPlant, postures: np.ndarray, force: float) -> float:
-    """How deep, m, each palm must be commanded into the box to press with `force`, N, on average over postures (N, 14).
-
-    Both palms yield: the force of a depth d is 2 d / (1/k_left + 1/k_right). Where that would pass LARGEST_FORCE in one
-    of the postures, the depth is lowered to it.
-    """
-    context = plant.CreateDefaultContext()
-    arms = [plant.GetModelInstanceByName(arm) for arm in ARMS]
-    compliance = np.empty(len(postures))
-    for k, q in enumerate(postures):
-        plant.SetPositions(context, q)
-        compliance[k] = sum(1.0 / palm_stiffness(plant, context, arm, DEFAULT_STIFFNESS) for arm in arms)
-    return float(min(force / np.mean(2.0 / compliance), 0.5 * LARGEST_FORCE * compliance.min()))
 
 
 def _check_clearance(plan: Plan) -> None:

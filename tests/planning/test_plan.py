@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.planning.plan import LARGEST_FORCE, BelowPalms, MakePlan, SqueezeDepth
+from drake_blfdmp.planning.plan import BelowPalms, MakePlan
 from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
+from drake_blfdmp.planning.squeeze import LARGEST_FORCE, SqueezeDepth
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.kinematics import DualArmKinematics
