@@ -16,7 +16,6 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
-from pydrake.multibody.plant import AddMultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource
@@ -25,14 +24,11 @@ from pydrake.trajectories import PiecewisePolynomial
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, SetInitialState  # noqa: E402
+from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, AddPlannedPlant, SetInitialState  # noqa: E402
 from drake_blfdmp.evaluation.carry_out import AddRecorder, AddViewer  # noqa: E402
 from drake_blfdmp.evaluation.run_logger import AddRunLogger  # noqa: E402
 from drake_blfdmp.planning.plan import MakePlan, Plan  # noqa: E402
 from drake_blfdmp.planning.scenario import LoadScenario  # noqa: E402
-from drake_blfdmp.robot.box import AddBox, AddTable  # noqa: E402
-from drake_blfdmp.robot.contact import ContactPlantConfig  # noqa: E402
-from drake_blfdmp.robot.plant import AddDualPanda, SetJointPd  # noqa: E402
 from drake_blfdmp.robot.reach import rigid  # noqa: E402
 from drake_blfdmp.viewing.meshcat_scene import start_meshcat  # noqa: E402
 
@@ -71,13 +67,7 @@ def chain(plan: Plan, end: float, everything: bool) -> tuple[float, tuple]:
 def bare(plan: Plan, end: float, commands: tuple) -> float:
     """Wall seconds of the plant alone on the same commands."""
     builder = DiagramBuilder()
-    plant, _ = AddMultibodyPlant(ContactPlantConfig(plan.scenario.simulation.time_step), builder)
-    arms = AddDualPanda(plant)
-    for table in plan.tables:
-        AddTable(plant, table)
-    box = AddBox(plant, plan.box)
-    plant.Finalize()
-    SetJointPd(plant, arms)
+    plant, _, arms, box = AddPlannedPlant(builder, plan)
     t, q, v = commands
     for i, arm in enumerate(arms):
         joints = slice(7 * i, 7 * i + 7)

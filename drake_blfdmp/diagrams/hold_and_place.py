@@ -48,6 +48,20 @@ class HoldAndPlace:
     limits: JointLimits
 
 
+def AddPlannedPlant(
+    builder: DiagramBuilder, plan: Plan
+) -> tuple[MultibodyPlant, SceneGraph, tuple[ModelInstanceIndex, ...], RigidBody]:
+    """Add the finalized plant of a plan: both arms under joint PD, the tables and the box."""
+    plant, scene_graph = AddMultibodyPlant(ContactPlantConfig(plan.scenario.simulation.time_step), builder)
+    arms = AddDualPanda(plant)
+    for table in plan.tables:
+        AddTable(plant, table)
+    box = AddBox(plant, plan.box)
+    plant.Finalize()
+    SetJointPd(plant, arms)
+    return plant, scene_graph, arms, box
+
+
 def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     """Add and connect everything between the phase and the box; recorders and viewers are the caller's.
 
@@ -55,13 +69,7 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
         ScenarioError: the gains are not safe at the scenario's time step.
     """
     scenario = plan.scenario
-    plant, scene_graph = AddMultibodyPlant(ContactPlantConfig(scenario.simulation.time_step), builder)
-    arms = AddDualPanda(plant)
-    for table in plan.tables:
-        AddTable(plant, table)
-    box = AddBox(plant, plan.box)
-    plant.Finalize()
-    SetJointPd(plant, arms)
+    plant, scene_graph, arms, box = AddPlannedPlant(builder, plan)
     limits = ReadJointLimits(plant, arms)
 
     step = scenario.simulation.skill_time_step
