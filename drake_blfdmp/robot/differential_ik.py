@@ -9,9 +9,10 @@ direction n, J n = 0, that does not move the palm:
 J_psi is the derivative of the swivel angle itself; for a resting wrist J_psi q' = -U_psi^T J_E q' / r, with r the
 elbow's distance from the shoulder-wrist line and U_psi as (19) prints it, which is the form in which the paper speaks
 of it. Joint limits hold by construction: alpha is kept in the interval they leave, and where that is empty the palm's
-twist is scaled (0 <= s < 1).
+twist is scaled (0 <= s < 1). `robot.redundancy` asks other alphas of the same resolution, among them (18) as printed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,8 +104,57 @@ def largest_scale(base, n, low, high):
     return max(scale, 0.0)
 
 
+def swivel_null_speed(base, n, swivel_jacobian, swivel_rate, gains: IkGains) -> float:
+    """The alpha with which base + alpha n turns the arm's plane at the swivel rate, fading out near a flat null motion.
+
+    Args:
+        base: (7,) joint velocities of the palm's task.
+        n: (7,) the null direction.
+        swivel_jacobian: (7,) J_psi.
+        swivel_rate: commanded psi', rad/s.
+        gains: of them the null floor.
+    """
+    along = swivel_jacobian @ n
+    # Damped division: exact far from zero, fading to no null motion near it.
+    floor = max(0.0, 1.0 - (along / gains.null_floor) ** 2) * gains.null_floor**2
+    return (swivel_rate - swivel_jacobian @ base) * along / (along * along + floor)
+
+
+def resolve_null(jacobian, twist, null_speed: Callable, low, high, gains: IkGains, gentle=None):
+    """Joint velocities s J^+ X' + alpha n of one arm, within the joint limits.
+
+    Args:
+        jacobian: (6, 7) of the palm, angular above translational.
+        twist: (6,) commanded palm twist.
+        null_speed: (s J^+ X', n), each (7,) -> the alpha that is asked for.
+        low: (7,) lower bounds from `velocity_bounds`.
+        high: (7,) upper bounds.
+        gains: of them the damping counts here.
+        gentle: the last joint velocities (7,) and by how much the null motion may differ from theirs, rad/s: a jump of
+            the person's swivel angle then becomes no jump of torque.
+
+    Returns:
+        q' (7,), rad/s, and the share s in [0, 1] of the palm's twist that is met.
+    """
+    inverse, n = damped_inverse(jacobian, gains.singular_value, gains.damping)
+    base = inverse @ twist
+    scale = 1.0
+    least, most = null_interval(base, n, low, high)
+    if least > most:
+        scale = largest_scale(base, n, low, high)
+        base = scale * base
+        least, most = null_interval(base, n, low, high)
+        middle = 0.5 * (least + most)
+        least, most = min(least, middle), max(most, middle)
+    alpha = null_speed(base, n)
+    if gentle is not None:
+        previous, change = gentle
+        alpha = np.clip(alpha, n @ previous - change, n @ previous + change)
+    return base + np.clip(alpha, least, most) * n, scale
+
+
 def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkGains, gentle=None):
-    """Joint velocities of one arm.
+    """Joint velocities of one arm that meet the palm's twist and then the swivel rate.
 
     Args:
         jacobian: (6, 7) of the palm, angular above translational.
@@ -114,27 +164,17 @@ def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkG
         low: (7,) lower bounds from `velocity_bounds`.
         high: (7,) upper bounds.
         gains: of them the damping and the null floor count here.
-        gentle: the last joint velocities (7,) and by how much the null motion may differ from theirs, rad/s: a jump of
-            the person's swivel angle then becomes no jump of torque.
+        gentle: as in `resolve_null`.
 
     Returns:
         q' (7,), rad/s, and the share s in [0, 1] of the palm's twist that is met.
     """
-    inverse, n = damped_inverse(jacobian, gains.singular_value, gains.damping)
-    base = inverse @ twist
-    along = swivel_jacobian @ n
-    # Damped division: exact far from zero, fading to no null motion near it.
-    floor = max(0.0, 1.0 - (along / gains.null_floor) ** 2) * gains.null_floor**2
-    scale = 1.0
-    least, most = null_interval(base, n, low, high)
-    if least > most:
-        scale = largest_scale(base, n, low, high)
-        base = scale * base
-        least, most = null_interval(base, n, low, high)
-        middle = 0.5 * (least + most)
-        least, most = min(least, middle), max(most, middle)
-    alpha = (swivel_rate - swivel_jacobian @ base) * along / (along * along + floor)
-    if gentle is not None:
-        previous, change = gentle
-        alpha = np.clip(alpha, n @ previous - change, n @ previous + change)
-    return base + np.clip(alpha, least, most) * n, scale
+    return resolve_null(
+        jacobian,
+        twist,
+        lambda base, n: swivel_null_speed(base, n, swivel_jacobian, swivel_rate, gains),
+        low,
+        high,
+        gains,
+        gentle,
+    )

@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains, resolve, velocity_bounds
+from drake_blfdmp.errors import ScenarioError
+from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains, resolve, resolve_null, velocity_bounds
 from drake_blfdmp.robot.kinematics import ArmState, DualArmKinematics
 from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits
+from drake_blfdmp.robot.redundancy import REDUNDANCIES, ElbowKinematics, persons_angle, published_null_speed
 from drake_blfdmp.robot.swivel import wrap
 
 
@@ -38,9 +40,31 @@ def pose_error(state: ArmState, pose) -> np.ndarray:
 class DualArmTracker:
     """Joint velocities that move both palms to their poses and, as far as possible, the elbows to the swivel angles."""
 
-    def __init__(self, kinematics: DualArmKinematics, limits: JointLimits, gains: IkGains = DEFAULT_GAINS):
-        """Use joint limits (14,) and gains."""
+    def __init__(
+        self,
+        kinematics: DualArmKinematics,
+        limits: JointLimits,
+        gains: IkGains = DEFAULT_GAINS,
+        redundancy: str = "swivel",
+        mirrored: bool = True,
+    ):
+        """Use joint limits (14,) and gains.
+
+        Args:
+            kinematics: of both arms.
+            limits: of their joints.
+            gains: of the closed loop.
+            redundancy: what fills the null space, one of `robot.redundancy.REDUNDANCIES`.
+            mirrored: the arms hold their elbows up (`Retarget.elbow_up`); `published` alone needs to know.
+
+        Raises:
+            ScenarioError: there is no such redundancy.
+        """
+        if redundancy not in REDUNDANCIES:
+            raise ScenarioError(f"redundancy '{redundancy}' is none; choose one of {', '.join(REDUNDANCIES)}")
         self._kinematics, self._limits, self._gains = kinematics, limits, gains
+        self._redundancy, self._mirrored = redundancy, mirrored
+        self._elbows = ElbowKinematics() if redundancy == "published" else None
 
     def velocity(self, q, pose, twist, swivel, swivel_rate, previous=None, time_step: float = 0.0):
         """Joint velocities at q.
@@ -59,19 +83,29 @@ class DualArmTracker:
         gains, limits = self._gains, self._limits
         low, high = velocity_bounds(q, limits.lower, limits.upper, limits.velocity, gains)
         q_dot, scale, now = np.empty(2 * JOINTS_PER_ARM), np.empty(2), np.empty(2)
+        elbows = None if self._elbows is None else self._elbows.evaluate(q)
         for arm, state in enumerate(self._kinematics.evaluate(q)):
             joints = slice(arm * JOINTS_PER_ARM, (arm + 1) * JOINTS_PER_ARM)
             command = twist[arm] + gains.pose * pose_error(state, pose[arm])
-            rate = swivel_rate[arm] + gains.swivel * wrap(swivel[arm] - state.swivel)
-            q_dot[joints], scale[arm] = resolve(
-                state.jacobian,
-                command,
-                state.swivel_jacobian,
-                np.clip(rate, -gains.swivel_rate, gains.swivel_rate),
-                low[joints],
-                high[joints],
-                gains,
-                None if previous is None else (previous[joints], gains.null_acceleration * time_step),
-            )
+            bounds = low[joints], high[joints]
+            gentle = None if previous is None else (previous[joints], gains.null_acceleration * time_step)
+            if self._redundancy == "swivel":
+                rate = swivel_rate[arm] + gains.swivel * wrap(swivel[arm] - state.swivel)
+                rate = np.clip(rate, -gains.swivel_rate, gains.swivel_rate)
+                solved = resolve(state.jacobian, command, state.swivel_jacobian, rate, *bounds, gains, gentle)
+            elif elbows is None:  # J^+ X' alone has no null motion that could jump.
+                solved = resolve_null(state.jacobian, command, _no_speed, *bounds, gains)
+            else:
+                asked = self._published_speed(elbows[0][arm], elbows[1][arm], swivel[arm])
+                solved = resolve_null(state.jacobian, command, asked, *bounds, gains, gentle)
+            q_dot[joints], scale[arm] = solved
             now[arm] = state.swivel
         return q_dot, scale, now
+
+    def _published_speed(self, jacobian, direction, swivel):
+        psi = persons_angle(swivel, self._mirrored)
+        return lambda base, n: published_null_speed(n, jacobian, psi, direction)
+
+
+def _no_speed(base, n) -> float:
+    return 0.0

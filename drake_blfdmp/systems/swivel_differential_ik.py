@@ -45,6 +45,8 @@ class SwivelDifferentialIk(LeafSystem):
         time_step: float,
         hold_until: float = 0.0,
         gains: IkGains = DEFAULT_GAINS,
+        redundancy: str = "swivel",
+        mirrored: bool = True,
     ):
         """Build the system.
 
@@ -55,9 +57,11 @@ class SwivelDifferentialIk(LeafSystem):
             time_step: period of the discrete update, s, positive.
             hold_until: the arms stay at `initial_position` until this time, s, while the skill's initial errors vanish.
             gains: of the closed loop; a step must not overshoot, so none of them times `time_step` may exceed 1.
+            redundancy: what fills the null space: the swivel, nothing, or (18) as printed (`robot.redundancy`).
+            mirrored: the arms hold their elbows up (`Retarget.elbow_up`); (18) as printed alone needs to know.
 
         Raises:
-            ScenarioError: `time_step` is not positive, or too large for the gains.
+            ScenarioError: `time_step` is not positive, or too large for the gains, or there is no such redundancy.
             TaskError: `initial_position` is not 14 finite angles.
         """
         super().__init__()
@@ -71,7 +75,7 @@ class SwivelDifferentialIk(LeafSystem):
                 f"{1.0 / fastest:g} s, or lower its largest gain, {fastest:g} 1/s"
             )
         self._limits = limits
-        self._tracker = DualArmTracker(kinematics, limits, gains)
+        self._tracker = DualArmTracker(kinematics, limits, gains, redundancy, mirrored)
         self._time_step, self._hold_until = time_step, hold_until
         self._inputs = [
             self.DeclareVectorInputPort(name, size)

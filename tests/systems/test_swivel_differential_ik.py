@@ -229,3 +229,38 @@ def test_a_jump_of_the_persons_swivel_angle_is_no_jump_of_the_null_motion(system
     after = outputs(system, context)["velocity"]
     free = tracker.velocity(q, *values)[0]
     assert np.abs(after - before).max() < 0.2 * np.abs(free - before).max()
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+@pytest.mark.parametrize("redundancy", ["swivel", "none", "published"])
+def test_what_fills_the_null_space_is_the_trackers(redundancy, mirrored):
+    system = make(redundancy=redundancy, mirrored=mirrored)
+    context, values = system.CreateDefaultContext(), goal()
+    fix(system, context, values)
+    update(system, context)
+    tracker = DualArmTracker(KINEMATICS, LIMITS, redundancy=redundancy, mirrored=mirrored)
+    q_dot, _, now = tracker.velocity(START, *values, np.zeros(14), DT)
+    got = outputs(system, context)
+    np.testing.assert_allclose(got["velocity"], q_dot, atol=1e-13)
+    np.testing.assert_allclose(got["swivel_now"], now)
+
+
+def test_what_fills_the_null_space_matters_and_is_the_swivel_by_default():
+    velocities = {}
+    for redundancy in (None, "swivel", "none", "published"):
+        system = make() if redundancy is None else make(redundancy=redundancy)
+        context = system.CreateDefaultContext()
+        pose, twist, swivel, rate = goal((0.0, 0.0, 0.0), 0.02, 0.0)
+        # The elbows are where they should be: the swivel asks for little, (18) for the same as ever.
+        fix(system, context, (pose, twist, swivel, 0.0 * rate))
+        update(system, context)
+        velocities[redundancy] = outputs(system, context)["velocity"]
+    np.testing.assert_array_equal(velocities[None], velocities["swivel"])
+    for other in ("none", "published"):
+        assert np.abs(velocities[other] - velocities["swivel"]).max() > 1e-3
+    assert np.abs(velocities["published"] - velocities["none"]).max() > 1e-3
+
+
+def test_an_unknown_filling_of_the_null_space_is_refused():
+    with pytest.raises(ScenarioError, match="redundancy 'both' is none; choose one of swivel, none, published"):
+        make(redundancy="both")
