@@ -10,12 +10,12 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
 from drake_blfdmp.diagrams.skill import AddSkill, SkillSystems
 from drake_blfdmp.planning.plan import Plan
+from drake_blfdmp.planning.task import LawGains
 from drake_blfdmp.robot.box import AddBox, AddTable
 from drake_blfdmp.robot.contact import ContactPlantConfig, palm_bodies
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import AddDualPanda, JointLimits, ReadJointLimits, SetJointPd
 from drake_blfdmp.robot.reach import rigid
-from drake_blfdmp.skill.sampled import Gains
 from drake_blfdmp.systems.palm_forces import PalmForces
 from drake_blfdmp.systems.retargeting import Retargeting
 from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
@@ -78,7 +78,7 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
         plan.task.skill,
         plan.task.bands,
         law=scenario.law,
-        gains=Gains(scenario.gains.k_1, scenario.gains.k_2),
+        gains=LawGains(scenario),
         time_step=step,
     )
     retargeting = builder.AddNamedSystem("retargeting", Retargeting(retarget=plan.retarget))
@@ -90,6 +90,8 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
             initial_position=plan.reach.start,
             time_step=step,
             hold_until=plan.settle_s,
+            redundancy=scenario.retarget.redundancy,
+            mirrored=plan.retarget.elbow_up,
         ),
     )
     forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))

@@ -1,12 +1,14 @@
 """The skill's half of the diagram: phase, forcing, transformation, bands, coupler, reshaper."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from pydrake.systems.framework import DiagramBuilder, System
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.laws import law as law_named
+from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.skill.sampled import Gains
 from drake_blfdmp.skill.skill import Skill
 from drake_blfdmp.systems.blf_coupler import BlfCoupler
@@ -14,12 +16,13 @@ from drake_blfdmp.systems.canonical_system import CanonicalSystem
 from drake_blfdmp.systems.distance_bands import DistanceBands
 from drake_blfdmp.systems.distance_reshaper import DistanceReshaper
 from drake_blfdmp.systems.forcing_term import ForcingTerm
+from drake_blfdmp.systems.point_coupler import PointCoupler
 from drake_blfdmp.systems.transformation_system import TransformationSystem
 
 
 @dataclass(frozen=True)
 class SkillSystems:
-    """The systems that `AddSkill` added."""
+    """The systems that `AddSkill` added; the reshaper with the default law only, the point coupler with the others."""
 
     canonical: System
     forcing: System
@@ -27,7 +30,8 @@ class SkillSystems:
     transformation: System
     bands: System
     coupler: System
-    reshaper: System | None
+    reshaper: System | None = None
+    point_coupler: System | None = None
 
 
 def AddSkill(
@@ -36,22 +40,23 @@ def AddSkill(
     bands: Bands,
     *,
     law: str = "default",
-    gains: Gains = Gains(),
+    gains: Any = None,
     time_step: float = 0.0,
 ) -> SkillSystems:
     """Add and connect the systems that carry out a skill inside its bands.
 
     Args:
-        builder: receives the systems, named canonical, forcing, goal, transformation, bands, coupler, reshaper.
+        builder: receives the systems, named canonical, forcing, goal, transformation, bands, coupler, and reshaper or
+            point_coupler.
         skill, bands: what to carry out.
-        law: a name of `skill.laws.LAWS`; with "none" the coupler only watches.
-        gains: of the law.
+        law: a name of `skill.laws.LAWS`; with another than "default" the coupler only watches.
+        gains: of the law, its defaults if None.
         time_step: 0 for continuous states, otherwise the period of the discrete ones, s.
 
     Raises:
         ScenarioError: unknown law, or gains that are not safe at this time step.
     """
-    law_named(law)
+    chosen = law_named(law)
     canonical = builder.AddNamedSystem(
         "canonical", CanonicalSystem(tau=skill.tau, gamma=skill.gamma, time_step=time_step)
     )
@@ -59,7 +64,8 @@ def AddSkill(
     goal = builder.AddNamedSystem("goal", ConstantVectorSource(skill.goal.reshape(18)))
     transformation = builder.AddNamedSystem("transformation", TransformationSystem(skill=skill, time_step=time_step))
     band_system = builder.AddNamedSystem("bands", DistanceBands(bands=bands, tau=skill.tau, gamma=skill.gamma))
-    coupler = builder.AddNamedSystem("coupler", BlfCoupler(gains=gains, time_step=time_step))
+    watched = {"gains": gains or Gains(), "time_step": time_step} if law == "default" else {}
+    coupler = builder.AddNamedSystem("coupler", BlfCoupler(**watched))
 
     def connect(source, output, target, inputs=None):
         builder.Connect(source.GetOutputPort(output), target.GetInputPort(inputs or output))
@@ -71,11 +77,22 @@ def AddSkill(
     connect(transformation, "position", coupler)
     connect(transformation, "velocity", coupler)
     connect(band_system, "bands", coupler)
-    reshaper = None
+    reshaper = point_coupler = None
     if law == "default":
+        gains = gains or Gains()
         reshaper = builder.AddNamedSystem("reshaper", DistanceReshaper(law_stiffness=1.0 + gains.k_1 * gains.k_2))
-        for name in ("position", "velocity", "nominal_acceleration"):
-            connect(transformation, name, reshaper)
         connect(coupler, "link_acceleration", reshaper)
-        connect(reshaper, "coupling_acceleration", transformation)
-    return SkillSystems(canonical, forcing, goal, transformation, band_system, coupler, reshaper)
+    elif law != "none":
+        primitive = Primitive(skill.tau, skill.alpha_z)
+        point_coupler = builder.AddNamedSystem(
+            "point_coupler", PointCoupler(law=chosen, primitive=primitive, gains=gains, time_step=time_step)
+        )
+        connect(band_system, "bands", point_coupler)
+    for source in (reshaper, point_coupler):
+        if source is not None:
+            for name in ("position", "velocity", "nominal_acceleration"):
+                connect(transformation, name, source)
+            connect(source, "coupling_acceleration", transformation)
+    return SkillSystems(
+        canonical, forcing, goal, transformation, band_system, coupler, reshaper=reshaper, point_coupler=point_coupler
+    )

@@ -78,6 +78,8 @@ def MakeSummary(plan: Plan, log: RunLog, margins: np.ndarray, simulated_s: float
         "links_uncoupled": link_metrics(plan.uncoupled, plan.task.bands, held[0]),
         "barrier": {
             "max_derivative": largest_barrier_derivative(plan.coupled, Gains(scenario.gains.k_1, scenario.gains.k_2))
+            if scenario.law == "default"
+            else None
         },
         "plan": {
             "notes": list(plan.notes),

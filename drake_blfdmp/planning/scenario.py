@@ -13,6 +13,7 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from drake_blfdmp.demonstration.timing import Timing
 from drake_blfdmp.errors import ScenarioError
+from drake_blfdmp.robot.redundancy import REDUNDANCIES
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.regression import METHODS
 
@@ -90,6 +91,24 @@ class GainsConfig:
 
 
 @dataclass
+class PublishedConfig:
+    """Gains of the published laws, see `skill.laws.follower`."""
+
+    k_z: float = 200.0
+    d_z: float = 0.3
+    k_2: float = 0.0
+    largest_rate: float = 200.0
+
+
+@dataclass
+class GamsConfig:
+    """Gains of the coupling of Gams et al., see `skill.laws.gams`."""
+
+    c_k: float = 300.0
+    c_2: float = 30.0
+
+
+@dataclass
 class BoxConfig:
     """The box; a width of None is the hands' distance in the recording."""
 
@@ -134,12 +153,14 @@ class RetargetConfig:
         world: where the shoulders' midpoint goes.
         level: keep the line between the palms horizontal.
         elbow_up: mirror the elbows to above the line from shoulder to wrist.
+        redundancy: what the arms' seventh joint is for while they move: "swivel", "none" or "published".
     """
 
     scale: float | None = None
     world: list[float] | None = None
     level: bool = True
     elbow_up: bool = True
+    redundancy: str = "swivel"
 
 
 @dataclass
@@ -164,6 +185,8 @@ class Scenario:
     learning: LearningConfig = field(default_factory=LearningConfig)
     bands: BandsConfig = field(default_factory=BandsConfig)
     gains: GainsConfig = field(default_factory=GainsConfig)
+    published: PublishedConfig = field(default_factory=PublishedConfig)
+    gams: GamsConfig = field(default_factory=GamsConfig)
     timing: Timing = field(default_factory=Timing)
     task: TaskConfig = field(default_factory=TaskConfig)
     box: BoxConfig = field(default_factory=BoxConfig)
@@ -218,6 +241,7 @@ def CheckScenario(scenario: Scenario) -> None:
         "law": (scenario.law, tuple(LAWS)),
         "learning.method": (scenario.learning.method, tuple(METHODS)),
         "recording.frame": (scenario.recording.frame, ("torso", "world")),
+        "retarget.redundancy": (scenario.retarget.redundancy, REDUNDANCIES),
     }
     for key, (value, allowed) in choices.items():
         if value not in allowed:
@@ -234,6 +258,10 @@ def CheckScenario(scenario: Scenario) -> None:
         "box.height": box.height,
         "box.mass": box.mass,
         "box.friction": box.friction,
+        "published.k_z": scenario.published.k_z,
+        "published.d_z": scenario.published.d_z,
+        "published.largest_rate": scenario.published.largest_rate,
+        "gams.c_k": scenario.gams.c_k,
     }
     optional = {
         "box.width": box.width,
@@ -247,8 +275,13 @@ def CheckScenario(scenario: Scenario) -> None:
     for key, value in positive.items():
         if not 0 < value < float("inf"):
             raise ScenarioError(f"scenario: {key} must be positive and finite, not {value}")
-    if not 0 <= task.tail < float("inf"):
-        raise ScenarioError(f"scenario: task.tail must not be negative, not {task.tail}")
+    for key, value in (
+        ("task.tail", task.tail),
+        ("published.k_2", scenario.published.k_2),
+        ("gams.c_2", scenario.gams.c_2),
+    ):
+        if not 0 <= value < float("inf"):
+            raise ScenarioError(f"scenario: {key} must not be negative, not {value}")
     if simulation.time_step > LONGEST_TIME_STEP:
         raise ScenarioError(
             f"scenario: simulation.time_step is {simulation.time_step:g} s; contact needs at most "

@@ -1,14 +1,18 @@
 """The task's motion, skill and bands, from a source and a scenario."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from drake_blfdmp.demonstration.timing import TaskMotion, task_motion
+from drake_blfdmp.errors import SkillError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.skill.bands import Bands, make_bands
 from drake_blfdmp.skill.laws import law
+from drake_blfdmp.skill.laws.follower import PublishedGains
+from drake_blfdmp.skill.laws.gams import GamsGains
 from drake_blfdmp.skill.learning import learn_skill
 from drake_blfdmp.skill.profiles import HandDistance, smooth_step
 from drake_blfdmp.skill.rollout import Rollout, roll_out
@@ -17,6 +21,9 @@ from drake_blfdmp.skill.skill import Skill
 
 DEFAULT_SQUEEZE = 0.012
 """Depth, m, that is planned with before the arms' stiffness is known."""
+
+FARTHEST = 100.0
+"""Coordinates, m, beyond which a motion is none of a person's arms."""
 
 CLOSING_SHARE = 0.7
 """Share of the dwell at the grasp in which the hands close; the rest is rest on either side."""
@@ -128,16 +135,42 @@ def MakeTask(scenario: Scenario, source: Source, motion: TaskMotion, stretch: fl
     return Task(motion=motion, skill=skill, bands=funnel, box_width=width)
 
 
+def LawGains(scenario: Scenario) -> Any:
+    """The gains of the scenario's law; None for `none`."""
+    if scenario.law == "default":
+        return Gains(scenario.gains.k_1, scenario.gains.k_2)
+    if scenario.law.startswith("published"):
+        return PublishedGains(**vars(scenario.published))
+    if scenario.law == "gams":
+        return GamsGains(**vars(scenario.gams))
+    return None
+
+
 def RollOutTask(scenario: Scenario, task: Task, *, coupled: bool = True) -> Rollout:
-    """The task's skill at the scenario's time step, with the scenario's law or uncoupled, with the tail after it."""
+    """The task's skill at the scenario's time step, with the scenario's law or uncoupled, with the tail after it.
+
+    Raises:
+        ScenarioError: the gains are not safe at this time step.
+        SkillError: the coupled motion grows without bound, as it can with another law than the default.
+    """
     step = scenario.simulation.skill_time_step
-    gains = Gains(scenario.gains.k_1, scenario.gains.k_2)
-    gains.check(step)
-    return roll_out(
-        task.skill,
-        time_step=step,
-        duration=task.skill.tau + scenario.task.tail,
-        bands=task.bands if coupled else None,
-        law=law(scenario.law),
-        gains=gains,
-    )
+    gains = LawGains(scenario)
+    if isinstance(gains, Gains):
+        gains.check(step)
+    with np.errstate(over="ignore", invalid="ignore"):  # Said below, in one line.
+        rollout = roll_out(
+            task.skill,
+            time_step=step,
+            duration=task.skill.tau + scenario.task.tail,
+            bands=task.bands if coupled else None,
+            law=law(scenario.law),
+            gains=gains if coupled else None,
+        )
+    near = np.abs(rollout.x).max(axis=(1, 2)) < FARTHEST
+    if not near.all():
+        raise SkillError(
+            f"law {scenario.law}: the coupled motion grows without bound, past {FARTHEST:g} m at "
+            f"{rollout.t[np.argmin(near)]:.2f} s; use another law, or other gains or a shorter "
+            "simulation.skill_time_step"
+        )
+    return rollout

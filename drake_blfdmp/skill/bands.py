@@ -30,7 +30,7 @@ class Bands:
         bones: (5,) desired lengths, m; the hands' entry is not used.
         hands: d_j(t).
         initial, final: (5,) half widths at t = 0 and as t -> infinity, m.
-        rate: decay of the funnel, 1/s.
+        rate: decay of the funnel, 1/s; (...) for a batch, each its own.
         opening: (..., 5) additional half width at t = 0, m.
     """
 
@@ -38,14 +38,14 @@ class Bands:
     hands: HandDistance | ConstantDistance
     initial: np.ndarray
     final: np.ndarray
-    rate: float = 3.0
+    rate: float | np.ndarray = 3.0
     opening: np.ndarray | float = 0.0
 
     def __post_init__(self):
         if np.any(np.asarray(self.final) <= 0) or np.any(np.asarray(self.initial) < np.asarray(self.final)):
             raise ScenarioError("bands: half widths must be positive and must not grow with time")
-        if self.rate <= 0:
-            raise ScenarioError(f"bands: the funnel's rate must be positive, not {self.rate} 1/s")
+        if np.any(np.asarray(self.rate) <= 0):
+            raise ScenarioError(f"bands: the funnel's rate must be positive, not {np.min(self.rate):g} 1/s")
 
     def desired(self, t):
         """Desired lengths and their first two derivatives, each (..., 5)."""
@@ -54,9 +54,10 @@ class Bands:
 
     def half_widths(self, t):
         """Sigma and its first two derivatives, each (..., 5)."""
-        decay = np.exp(-self.rate * np.asarray(t)[..., None])
+        rate = np.asarray(self.rate)[..., None]
+        decay = np.exp(-rate * np.asarray(t)[..., None])
         excess = (np.asarray(self.initial) - np.asarray(self.final) + self.opening) * decay
-        return np.asarray(self.final) + excess, -self.rate * excess, self.rate**2 * excess
+        return np.asarray(self.final) + excess, -rate * excess, rate**2 * excess
 
     def evaluate(self, t):
         """The bands at time t (...): (..., 6, 5)."""

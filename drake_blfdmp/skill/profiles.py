@@ -29,21 +29,25 @@ class HandDistance:
         closed_m: distance while the box is held, m.
         close_s, open_s: when closing and opening begin, s.
         duration_s: how long closing, and opening, takes, s.
+
+    Each is a number, or (...) for a batch, each member its own.
     """
 
-    open_m: float
-    closed_m: float
-    close_s: float
-    open_s: float
-    duration_s: float
+    open_m: float | np.ndarray
+    closed_m: float | np.ndarray
+    close_s: float | np.ndarray
+    open_s: float | np.ndarray
+    duration_s: float | np.ndarray
 
     def __post_init__(self):
-        if not self.duration_s > 0:
-            raise ScenarioError(f"hand distance: closing must take a positive time, not {self.duration_s} s")
-        if self.open_s < self.close_s + self.duration_s:
+        if not np.all(np.asarray(self.duration_s) > 0):
+            raise ScenarioError(f"hand distance: closing must take a positive time, not {np.min(self.duration_s):g} s")
+        opens, closed = np.broadcast_arrays(self.open_s, self.close_s + self.duration_s)
+        if np.any(opens < closed):
+            worst = np.argmax(closed - opens)
             raise ScenarioError(
-                f"hand distance: opening at {self.open_s:.2f} s begins before closing ends at "
-                f"{self.close_s + self.duration_s:.2f} s; hold the box longer"
+                f"hand distance: opening at {opens.flat[worst]:.2f} s begins before closing ends at "
+                f"{closed.flat[worst]:.2f} s; hold the box longer"
             )
 
     def evaluate(self, t):

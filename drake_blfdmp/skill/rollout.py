@@ -1,7 +1,8 @@
 """Batch rollouts of a skill with any law: the systems' mathematics without a diagram, over leading axes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,9 +11,21 @@ from drake_blfdmp.skill.barrier import middles_and_half_widths
 from drake_blfdmp.skill.canonical import phase_at
 from drake_blfdmp.skill.geometry import link_lengths
 from drake_blfdmp.skill.laws import default, none
-from drake_blfdmp.skill.sampled import Gains
+from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.skill.skill import Skill
 from drake_blfdmp.skill.transformation import mean_acceleration, step, step_matrices
+
+MovingGoal = Callable[[float], np.ndarray]
+"""A goal (..., 6, 3), m, for a time, s."""
+
+
+class Sample(NamedTuple):
+    """One sample of a rollout: t in s, x and velocity (..., 6, 3), bands (..., 6, 5) or None without bands."""
+
+    t: float
+    x: np.ndarray
+    velocity: np.ndarray
+    bands: np.ndarray | None
 
 
 @dataclass(frozen=True)
@@ -40,8 +53,61 @@ class Rollout:
         """1 - |xi| of every link (N, ..., 5): negative where a band is left."""
         if self.bands is None:
             raise ValueError("this rollout has no bands")
-        (m, _, _), (w, _, _) = middles_and_half_widths(self.bands)
-        return 1.0 - np.abs(self.lengths - m) / w
+        return margins(self.x, self.bands)
+
+
+def margins(x, bands) -> np.ndarray:
+    """1 - |xi| (..., 5) of points (..., 6, 3) in bands (..., 6, 5): negative where a band is left."""
+    (m, _, _), (w, _, _) = middles_and_half_widths(bands)
+    return 1.0 - np.abs(link_lengths(x) - m) / w
+
+
+def steps(
+    skill: Skill,
+    *,
+    time_step: float,
+    samples: int,
+    bands: Bands | None = None,
+    law: Callable = default,
+    gains: Any = None,
+    start: np.ndarray | None = None,
+    goal: np.ndarray | MovingGoal | None = None,
+    tau: float | np.ndarray | None = None,
+) -> Iterator[Sample]:
+    """Run the skill as the discrete systems do: linear part exact over a step, inputs held, forcing taken mid-step.
+
+    Args:
+        time_step: s; samples: their number, the first at t = 0.
+        bands: needed by every law but `none`, which is used when there are none.
+        law: one of `skill.laws`; gains: of that law, its defaults if None.
+        start, goal: (..., 6, 3) m, the skill's own by default; leading axes make a batch. A goal may move in time.
+        tau: time scale, s, the skill's own by default; (..., 1, 1) gives every member of a batch its own.
+    """
+    law = none if bands is None else law
+    tau = skill.tau if tau is None else tau
+    goal = skill.goal if goal is None else goal
+    move = goal if callable(goal) else None
+    target = np.asarray(goal(0.0) if callable(goal) else goal, dtype=float)
+    x = np.asarray(skill.start if start is None else start, dtype=float)
+    x = np.array(np.broadcast_to(x, np.broadcast_shapes(x.shape, target.shape)))
+    v, previous = np.zeros_like(x), np.zeros_like(x)
+    matrices = step_matrices(time_step, tau, skill.alpha_z, skill.beta_z)
+    options = {} if gains is None else {"gains": gains}
+    for k in range(samples):
+        t = k * time_step
+        velocity = v / tau
+        band = None if bands is None else np.broadcast_to(bands.evaluate(t), (*x.shape[:-2], 6, 5))
+        yield Sample(t, x, velocity, band)
+        phase = np.asarray(phase_at(t + 0.5 * time_step, tau, skill.gamma))
+        forcing = skill.forcing(phase[..., 0, 0] if phase.ndim else phase)
+        forcing = forcing.reshape(*forcing.shape[:-1], 6, 3)
+        target = target if move is None else np.asarray(move(t), dtype=float)
+        coupling = 0.0
+        if band is not None:
+            nominal = mean_acceleration(x, v, forcing, target, tau, matrices, time_step)
+            coupling = law(x, velocity, nominal, previous, band, Primitive(tau, skill.alpha_z), **options)
+            previous = nominal + coupling
+        x, v = step(x, v, forcing, target, coupling, tau, matrices, time_step)
 
 
 def roll_out(
@@ -49,42 +115,27 @@ def roll_out(
     *,
     time_step: float,
     duration: float | None = None,
-    bands: Bands | None = None,
-    law: Callable = default,
-    gains: Gains = Gains(),
-    start: np.ndarray | None = None,
-    goal: np.ndarray | None = None,
     progress: Callable[[float], None] = lambda share: None,
+    **options: Any,
 ) -> Rollout:
-    """Run the skill as the discrete systems do: linear part exact over a step, inputs held, forcing taken mid-step.
+    """All samples of `steps`, whose other arguments it takes.
 
     Args:
-        time_step, duration: s; the duration is the skill's tau by default.
-        bands: needed by every law but `none`, which is used when there are none.
-        start, goal: (..., 6, 3) m, the skill's own by default; leading axes make a batch.
+        duration: s, the skill's tau by default.
         progress: called with the share done, 0 to 1.
     """
-    law = none if bands is None else law
-    duration = skill.tau if duration is None else duration
-    n = round(duration / time_step) + 1
-    t = time_step * np.arange(n)
-    start = skill.start if start is None else np.asarray(start, dtype=float)
-    goal = skill.goal if goal is None else np.asarray(goal, dtype=float)
-    x = np.array(np.broadcast_to(start, np.broadcast_shapes(start.shape, goal.shape)))
-    v = np.zeros_like(x)
-    forcings = skill.forcing(phase_at(t + 0.5 * time_step, skill.tau, skill.gamma)).reshape(n, 6, 3)
-    matrices = step_matrices(time_step, skill.tau, skill.alpha_z, skill.beta_z)
-    xs, velocities, all_bands = np.empty((n, *x.shape)), np.empty((n, *x.shape)), None
-    if bands is not None:
-        all_bands = np.stack([np.broadcast_to(bands.evaluate(time), (*x.shape[:-2], 6, 5)) for time in t])
-    for k in range(n):
-        xs[k], velocities[k] = x, v / skill.tau
-        coupling = 0.0
-        if all_bands is not None:
-            nominal = mean_acceleration(x, v, forcings[k], goal, skill.tau, matrices, time_step)
-            coupling = law(x, velocities[k], nominal, all_bands[k], gains)
-        x, v = step(x, v, forcings[k], goal, coupling, skill.tau, matrices, time_step)
+    n = round((skill.tau if duration is None else duration) / time_step) + 1
+    xs, velocities, all_bands = [], [], []
+    for k, sample in enumerate(steps(skill, time_step=time_step, samples=n, **options)):
+        xs.append(sample.x)
+        velocities.append(sample.velocity)
+        all_bands.append(sample.bands)
         if k % 200 == 0:
             progress((k + 1) / n)
     progress(1.0)
-    return Rollout(t=t, x=xs, velocity=velocities, bands=all_bands)
+    return Rollout(
+        t=time_step * np.arange(n),
+        x=np.array(xs),
+        velocity=np.array(velocities),
+        bands=None if all_bands[0] is None else np.array(all_bands),
+    )

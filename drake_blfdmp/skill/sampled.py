@@ -13,6 +13,8 @@ was left.
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from drake_blfdmp.errors import ScenarioError
 
 SAFE_PRODUCT = 0.2
@@ -27,14 +29,15 @@ LONGEST_STEP = 0.008
 
 @dataclass(frozen=True)
 class Gains:
-    """k_1 and k_2 of the default law, 1/s."""
+    """k_1 and k_2 of the default law, 1/s: numbers, or arrays (..., 1) for a batch; the methods take numbers alone."""
 
-    k_1: float = 8.0
-    k_2: float = 20.0
+    k_1: float | np.ndarray = 8.0
+    k_2: float | np.ndarray = 20.0
 
     def largest_step(self) -> float:
         """The longest time step, s, the gains allow."""
-        total, stiffness = self.k_1 + self.k_2, 1.0 + self.k_1 * self.k_2
+        k_1, k_2 = float(self.k_1), float(self.k_2)
+        total, stiffness = k_1 + k_2, 1.0 + k_1 * k_2
         return min(SAFE_PRODUCT / total, SAFE_PRODUCT * total / stiffness, SAFE_SOFTNESS * stiffness)
 
     def check(self, time_step: float) -> None:

@@ -19,26 +19,33 @@ def derivatives(x, v, f, goal, coupling_acceleration, tau, alpha_z, beta_z):
     return v / tau, tau * (a + coupling_acceleration)
 
 
-def step_matrices(dt: float, tau: float, alpha_z: float, beta_z: float) -> tuple[np.ndarray, np.ndarray]:
+def step_matrices(dt: float, tau: float | np.ndarray, alpha_z: float, beta_z: float) -> tuple[np.ndarray, np.ndarray]:
     """The exact solution of (1) over one step with all inputs held.
 
     With e = x - g and a constant forcing f, (e, v)(t + dt) = A (e, v)(t) + b f.
 
+    Args:
+        tau: time scale (...), s.
+
     Returns:
-        A (2, 2), b (2,).
+        A (..., 2, 2), b (..., 2).
     """
-    m = np.zeros((3, 3))
-    m[0, 1] = 1.0 / tau
-    m[1] = np.array([-alpha_z * beta_z, -alpha_z, 1.0]) / tau
+    rate = 1.0 / np.asarray(tau, dtype=float)
+    m = np.zeros((*rate.shape, 3, 3))
+    m[..., 0, 1] = rate
+    m[..., 1, :] = np.array([-alpha_z * beta_z, -alpha_z, 1.0]) * rate[..., None]
     e = expm(m * dt)
-    return e[:2, :2], e[:2, 2]
+    return e[..., :2, :2], e[..., :2, 2]
 
 
 def uncoupled_step(x, v, f, goal, matrices):
     """The state of (1) one step later; `matrices` are those of `step_matrices`."""
-    (a, b) = matrices
+    a, b = matrices
     e = x - goal
-    return goal + a[0, 0] * e + a[0, 1] * v + b[0] * f, a[1, 0] * e + a[1, 1] * v + b[1] * f
+    return (
+        goal + a[..., 0, 0] * e + a[..., 0, 1] * v + b[..., 0] * f,
+        a[..., 1, 0] * e + a[..., 1, 1] * v + b[..., 1] * f,
+    )
 
 
 def mean_acceleration(x, v, f, goal, tau, matrices, dt):

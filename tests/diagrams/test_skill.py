@@ -39,6 +39,13 @@ COUPLED = UNCOUPLED | {
     "coupler.link_acceleration -> reshaper.link_acceleration",
     "reshaper.coupling_acceleration -> transformation.coupling_acceleration",
 }
+ON_POINTS = UNCOUPLED | {
+    "transformation.position -> point_coupler.position",
+    "transformation.velocity -> point_coupler.velocity",
+    "transformation.nominal_acceleration -> point_coupler.nominal_acceleration",
+    "bands.bands -> point_coupler.bands",
+    "point_coupler.coupling_acceleration -> transformation.coupling_acceleration",
+}
 
 
 def built(**options):
@@ -78,13 +85,23 @@ def test_every_connection(law, connections, time_step):
     assert (systems.reshaper is None) == (law == "none")
 
 
-@pytest.mark.parametrize("law", ["default", "none"])
+@pytest.mark.parametrize("time_step", [0.0, DT])
+@pytest.mark.parametrize("law", ["published", "published_loop", "gams"])
+def test_every_connection_of_the_laws_on_points(law, time_step):
+    diagram, systems = built(law=law, time_step=time_step)
+    assert wiring(diagram) == ON_POINTS
+    assert systems.reshaper is None and systems.point_coupler is not None
+
+
+@pytest.mark.parametrize("law", LAWS)
 def test_the_discrete_diagram_is_the_batch_rollout(law):
-    times = DT * np.arange(0, 301)
+    # The lagged law is unstable: it turns the last bit into everything within a few dozen samples.
+    times = DT * np.arange(0, 301 if law != "published_lagged" else 12)
     x, velocity = positions(*built(law=law, time_step=DT), times)
-    r = roll_out(SKILL, time_step=DT, duration=1.2, bands=BANDS, law=LAWS[law])
-    np.testing.assert_allclose(x, r.x, atol=1e-12)
-    np.testing.assert_allclose(velocity, r.velocity, atol=1e-11)
+    r = roll_out(SKILL, time_step=DT, duration=times[-1], bands=BANDS, law=LAWS[law])
+    tolerance = 1e-12 if law in ("default", "none") else 1e-9
+    np.testing.assert_allclose(x, r.x, atol=tolerance)
+    np.testing.assert_allclose(velocity, r.velocity, atol=10 * tolerance)
 
 
 @pytest.mark.parametrize(("law", "time_step"), [("none", 0.004), ("default", 0.0005)])

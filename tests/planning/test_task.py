@@ -9,7 +9,19 @@ from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.errors import ScenarioError, SkillError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
-from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, Centred, MakeMotion, MakeTask, Raised, RollOutTask, Shifted
+from drake_blfdmp.planning.task import (
+    DEFAULT_SQUEEZE,
+    Centred,
+    LawGains,
+    MakeMotion,
+    MakeTask,
+    Raised,
+    RollOutTask,
+    Shifted,
+)
+from drake_blfdmp.skill.laws.follower import PublishedGains
+from drake_blfdmp.skill.laws.gams import GamsGains
+from drake_blfdmp.skill.sampled import Gains
 
 
 @pytest.fixture(scope="module")
@@ -188,3 +200,33 @@ def test_what_learning_and_the_law_refuse_is_refused(source, motion, task):
         MakeTask(scenario(learning={"alpha_z": -1.0}), source, motion)
     with pytest.raises(ScenarioError, match="half widths"):
         MakeTask(scenario(bands={"bone_half_width": 0.0}), source, motion)
+
+
+@pytest.mark.parametrize(
+    ("law", "changes", "gains"),
+    [
+        ("default", {"gains": {"k_1": 6.0}}, Gains(6.0, 20.0)),
+        ("published", {"published": {"k_z": 50.0, "k_2": 1.0}}, PublishedGains(50.0, 0.3, 1.0, 200.0)),
+        ("published_loop", {}, PublishedGains()),
+        ("published_lagged", {"published": {"largest_rate": 9.0}}, PublishedGains(largest_rate=9.0)),
+        ("gams", {"gams": {"c_k": 20.0, "c_2": 2.0}}, GamsGains(20.0, 2.0)),
+        ("none", {}, None),
+    ],
+)
+def test_every_law_gets_its_own_gains(law, changes, gains):
+    assert LawGains(replace(scenario(**changes), law=law)) == gains
+
+
+@pytest.mark.parametrize("law", ["published", "published_loop", "gams", "none"])
+def test_every_law_rolls_out_and_changes_something(task, law):
+    rollout = RollOutTask(replace(Scenario(), law=law), task)
+    uncoupled = RollOutTask(Scenario(), task, coupled=False)
+    assert np.all(np.isfinite(rollout.x))
+    assert (np.abs(rollout.x - uncoupled.x).max() > 0.02) == (law != "none")
+
+
+def test_a_law_that_grows_without_bound_is_refused(task):
+    with pytest.raises(
+        SkillError, match=r"law published_lagged: .* grows without bound, past 100 m at 0\.\d\d s; use another"
+    ):
+        RollOutTask(replace(Scenario(), law="published_lagged"), task)

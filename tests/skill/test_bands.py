@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -62,6 +64,17 @@ def test_a_batch_of_starts_opens_a_batch_of_funnels():
         np.testing.assert_array_equal(one, BANDS.opened_to(start).evaluate(0.3))
 
 
+def test_every_member_of_a_batch_may_have_its_own_rate_and_its_own_hands():
+    x = np.random.default_rng(0).normal(size=(3, 6, 3)) * 0.3
+    rates, opens = np.array([0.5, 3.0, 9.0]), np.array([4.0, 5.0, 6.0])
+    hands = HandDistance(0.37, 0.27, 1.0, opens, 0.8)
+    together = replace(BANDS, rate=rates, hands=hands).opened_to(x).evaluate(4.3)
+    assert together.shape == (3, 6, 5)
+    for i, one in enumerate(together):
+        alone = replace(BANDS, rate=rates[i], hands=replace(hands, open_s=opens[i])).opened_to(x[i])
+        np.testing.assert_array_equal(one, alone.evaluate(4.3))
+
+
 def test_the_hands_follow_their_profile_and_the_bones_do_not_move():
     d, rate, _ = BANDS.desired(np.array([1.4, 2.5]))
     np.testing.assert_allclose(d[:, HANDS], [0.32, 0.27], atol=1e-15)
@@ -75,6 +88,7 @@ def test_the_hands_follow_their_profile_and_the_bones_do_not_move():
         ({"final": np.zeros(5)}, "must be positive"),
         ({"initial": np.full(5, 0.005)}, "must not grow"),
         ({"rate": 0.0}, "rate must be positive"),
+        ({"rate": np.array([3.0, -1.0])}, "rate must be positive, not -1 1/s"),
     ],
 )
 def test_impossible_bands_are_refused(change, message):

@@ -49,3 +49,7 @@ def test_an_impossible_profile_is_refused():
         HandDistance(0.37, 0.27, 1.0, 4.0, 0.0)
     with pytest.raises(ScenarioError, match=r"opening at 1\.50 s begins before closing ends at 1\.80 s"):
         HandDistance(0.37, 0.27, 1.0, 1.5, 0.8)
+    with pytest.raises(ScenarioError, match=r"positive time, not -0\.2 s"):
+        HandDistance(0.37, 0.27, 1.0, 4.0, np.array([0.8, -0.2]))
+    with pytest.raises(ScenarioError, match=r"opening at 1\.50 s begins before closing ends at 1\.80 s"):
+        HandDistance(0.37, 0.27, 1.0, np.array([4.0, 1.5]), 0.8)

@@ -8,7 +8,7 @@ from drake_blfdmp.skeleton import HANDS
 from drake_blfdmp.skill.bands import make_bands
 from drake_blfdmp.skill.barrier import barrier_function, normalised_error
 from drake_blfdmp.skill.geometry import link_states
-from drake_blfdmp.skill.laws import default_link_acceleration
+from drake_blfdmp.skill.laws.default import link_acceleration
 from drake_blfdmp.skill.profiles import HandDistance
 from drake_blfdmp.skill.sampled import Gains
 from drake_blfdmp.systems.blf_coupler import BlfCoupler, BlfCoupler_
@@ -45,7 +45,7 @@ def test_ports():
 
 
 def test_the_outputs_are_those_of_the_law():
-    demanded, xi, xi_dot = default_link_acceleration(X, VELOCITY, BANDS, GAINS)
+    demanded, xi, xi_dot = link_acceleration(X, VELOCITY, BANDS, GAINS)
     assert np.all(np.abs(xi) < 1)
     want = [demanded, barrier_function(xi, xi_dot, GAINS.k_1), 1 - np.abs(xi)]
     for got, value in zip(outputs(*prepared()), want, strict=True):
