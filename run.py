@@ -3,12 +3,15 @@
     python run.py                                   the main job, on a synthetic recording
     python run.py --recording FILE                  the same with your own recording
     python run.py --scenario FILE --set box.mass=2  any scenario, with changes
+    python run.py studies                           the paper's figures and claims: what there is; --help tells more
 
 Exit status: 0 success, 1 the run ended without success, 2 bad input.
 """
 
 import argparse
 import logging
+import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -20,6 +23,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="run.py",
         description=(__doc__ or "").split("\n\n")[0],
+        epilog="python run.py studies: the paper's figures and claims, listed and run; --help there tells more",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--scenario", type=Path, metavar="FILE", help="scenario (YAML); default: hold and place")
@@ -111,14 +115,82 @@ def run(options: argparse.Namespace) -> int:
     return 0 if summary["success"] else 1
 
 
+def parse_studies(arguments: list[str]) -> argparse.Namespace:
+    """The command line after `studies`."""
+    parser = argparse.ArgumentParser(
+        prog="run.py studies",
+        description="List the studies, or run some or all of them into one folder with one report. A study repeats a\n"
+        "figure or a claim of the paper, or goes beyond it.",
+        epilog="Exit status: 0 all ran, whether or not their claims hold; 1 one failed; 2 bad input; 130 interrupted.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("name", nargs="*", metavar="NAME", help="studies to run; none: list them")
+    parser.add_argument("--all", action="store_true", help="run all of them")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the results; default runs/studies-<time>")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random, in every study")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY.PATH=VALUE", help="change one value in each; repeatable"
+    )
+    parser.add_argument("--quick", action="store_true", help="the same code on less, in seconds; not for results")
+    parser.add_argument(
+        "--recordings", type=Path, metavar="DIR", help="folder of real recordings, for studies that use them"
+    )
+    parser.add_argument(
+        "--workers", type=int, default=min(2, os.cpu_count() or 1), metavar="N", help="processes; default %(default)s"
+    )
+    return parser.parse_args(arguments)
+
+
+def studies(arguments: list[str]) -> int:
+    """List or run studies; the exit status."""
+    options = parse_studies(arguments)
+    from drake_blfdmp.errors import BlfDmpError
+    from drake_blfdmp.evaluation import study_runner as runner
+    from drake_blfdmp.evaluation.carry_out import MakeRunFolder
+    from drake_blfdmp.evaluation.console import ProgressBar
+
+    if options.name and options.all:
+        raise BlfDmpError("studies: give names or --all, not both")
+    found = runner.FindStudies(ROOT / "studies")
+    if not options.name and not options.all:
+        print(runner.listing(found))
+        return 0
+    scripts = runner.ChooseStudies(found, options.name or list(found))
+    asked = runner.StudyOptions(
+        settings=[*([] if options.seed is None else [f"seed={options.seed}"]), *options.set],
+        quick=options.quick,
+        recordings=options.recordings and options.recordings.resolve(),
+        workers=options.workers,
+        command=shlex.join(["python", "run.py", "studies", *arguments]),
+    )
+    runner.CheckOptions(scripts, asked)
+    folder = MakeRunFolder(options.out, "studies")
+    bar = ProgressBar()
+    try:
+        results = runner.RunStudies(scripts, folder, asked, bar)
+    except KeyboardInterrupt:
+        bar.finish()
+        print(f"report so far: {folder / 'report.html'}")
+        raise
+    finally:
+        bar.finish()
+    print(f"\n{runner.summary_table(results)}\n")
+    failed = [result for result in results if result.state == "failed"]
+    for result in failed:
+        print(f"failed: {result.name}: {result.error}")
+    print(f"report: {folder / 'report.html'}")
+    return 1 if failed else 0
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Parse and run; one line for anything a user can cause."""
-    options = parse(arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = None if arguments[:1] == ["studies"] else parse(arguments)
     from drake_blfdmp.errors import BlfDmpError
 
     logging.getLogger("drake").setLevel(logging.WARNING)
     try:
-        return run(options)
+        return studies(arguments[1:]) if options is None else run(options)
     except BlfDmpError as error:
         print(f"run.py: {error}", file=sys.stderr)
         return 2

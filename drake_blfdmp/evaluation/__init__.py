@@ -1,7 +1,16 @@
-"""Carrying a plan out and judging it.
+"""Carrying a plan out and judging it, and what the studies compute.
+
+One run:
 
 - `run_logger`: what is logged while the diagram runs, and the `RunLog` made of it.
-- `metrics`: the numbers of `summary.json`, pure functions of a `RunLog` and the skill's rollouts.
+- `metrics`: the numbers of `summary.json`, pure functions of a `RunLog` and the skill's rollouts. `summary`: the file.
 - `success`: the stated thresholds, and a sentence for each that is missed.
-- `carry_out`: one whole run and its output folder.
+- `carry_out`: one whole run and its output folder. `console`: the bar of its progress.
+
+Studies:
+
+- `study`: what a study is given, and the claims, figures and tables that it hands back.
+- `study_runner`: finding the studies of a folder, and running them.
+- `report`: what came out of them, as a page and as Markdown.
+- `studies`: what they compute.
 """

@@ -8,7 +8,7 @@ from typing import TextIO
 class ProgressBar:
     """One line a stage, redrawn in place on a terminal, written once at its end elsewhere."""
 
-    def __init__(self, stream: TextIO | None = None, width: int = 28):
+    def __init__(self, stream: TextIO | None = None, width: int = 20):
         """Write to `stream`, standard error by default."""
         self._stream = stream or sys.stderr
         self._live = self._stream.isatty()
@@ -29,7 +29,7 @@ class ProgressBar:
         if self._live and (share >= 1.0 or now - self._drawn > 0.1):
             done = round(self._width * min(max(share, 0.0), 1.0))
             bar = "#" * done + "." * (self._width - done)
-            self._stream.write(f"\r{what:<42.42} [{bar}] {now - self._started:5.1f} s")
+            self._stream.write(f"\r{what:<48.48} [{bar}] {now - self._started:5.1f} s")
             self._stream.flush()
             self._drawn = now
         elif not self._live and now - max(self._drawn, self._started) > 10.0:

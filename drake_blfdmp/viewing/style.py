@@ -55,6 +55,7 @@ _RC: Mapping[str, Any] = {
     "savefig.facecolor": "white",
     "figure.constrained_layout.use": True,
     "path.simplify": False,
+    "svg.hashsalt": "drake_blfdmp",  # An SVG's identifiers are random without one.
 }
 
 
@@ -75,9 +76,14 @@ def styled(make: Callable[..., Figure]) -> Callable[..., Figure]:
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Writes `figure` to `path`, and returns that, as a PNG whose bytes depend on the data and matplotlib alone."""
+    """Writes `figure` to `path`, and returns that, with bytes that depend on the data and matplotlib alone.
+
+    An SVG where the path ends in .svg, letters drawn as outlines so that it needs no font; a PNG otherwise.
+    """
+    vector = path.suffix.lower() == ".svg"
+    unsigned = {"Creator": None, "Date": None} if vector else {"Software": None}
     with matplotlib.rc_context(_look()):
-        figure.savefig(path, dpi=DPI, format="png", metadata={"Software": None})
+        figure.savefig(path, dpi=DPI, format="svg" if vector else "png", metadata=unsigned)
     return path
 
 

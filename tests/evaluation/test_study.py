@@ -1,0 +1,328 @@
+"""What a study hands back is checked as it is made; finding, loading and running studies of a folder made here."""
+
+import csv
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from drake_blfdmp.errors import BlfDmpError, ScenarioError
+from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
+from drake_blfdmp.evaluation.study_runner import (
+    ORDER,
+    CheckOptions,
+    ChooseStudies,
+    FindStudies,
+    LoadStudy,
+    RunStudies,
+    StudyOptions,
+    listing,
+    summary_table,
+    write_csv,
+)
+from drake_blfdmp.planning.scenario import LoadScenario
+
+GOOD = '''"""What it is.
+
+More of it.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from drake_blfdmp.evaluation.study import Claim, Study, Table
+from drake_blfdmp.viewing import style
+
+
+@style.styled
+def draw(values):
+    figure = Figure(figsize=(style.COLUMN, 2.0))
+    figure.subplots().plot(values, **style.COUPLED)
+    return figure
+
+
+def study(context):
+    values = np.random.default_rng(context.scenario.seed).normal(size=5)
+    context.progress("counting", 0.5)
+    return Study(
+        claims=[Claim("a mass", f"{context.scenario.box.mass:g} kg, quick {context.quick}", True)],
+        figures={"noise": draw(values)},
+        captions={"noise": f"{context.workers} workers, {context.recordings}"},
+        tables={"noise": Table({"sample": range(5), "value_m": values})},
+        notes=["A note."],
+        shown=["noise"],
+    )
+'''
+
+
+def add_study(folder, name, script=GOOD, scenario=None):
+    folder.mkdir(exist_ok=True)
+    (folder / f"{name}.py").write_text(script, encoding="utf-8")
+    (folder / f"{name}.yaml").write_text(f"name: {name}\n" if scenario is None else scenario, encoding="utf-8")
+
+
+def failing(statement):
+    return f'"""Fails."""\n\n\ndef study(context):\n    {statement}\n'
+
+
+def run(folder, tmp_path, options=None, progress=lambda what, share: None):
+    """Every study of `folder`, run; the folder of the results and the results by name."""
+    out = tmp_path / "out"
+    out.mkdir()
+    found = FindStudies(folder)
+    results = RunStudies(list(found.values()), out, options or StudyOptions(), progress)
+    return out, {result.name: result for result in results}
+
+
+# Claims, tables, studies.
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("a", "b", False), ["does not hold", "say why"]),
+        (("a", "b", None, "  "), ["cannot be judged", "say why"]),
+        (("a", "b", 1), ["holds is 1"]),
+        (("a", "b", "yes", "so"), ["holds is 'yes'"]),
+        (("", "b", True), ["what the paper says"]),
+        (("a", " ", True), ["what was measured"]),
+    ],
+)
+def test_an_incomplete_claim_is_refused(arguments, words):
+    with pytest.raises(BlfDmpError) as caught:
+        Claim(*arguments)
+    assert all(word in str(caught.value) for word in words)
+
+
+def test_a_claim_takes_numpys_truth():
+    assert Claim("a", "b", np.float64(1) < 2).holds is True
+    assert Claim("a", "b", np.float64(3) < 2, "too large").holds is False
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [{}, {"a": [1, 2], "b": [1]}, {"a": np.zeros((2, 2))}, {"a": 3.0}, {"a": "text"}, {"a": [[1], [1, 2]]}],
+)
+def test_columns_that_make_no_table_are_refused(columns):
+    with pytest.raises(BlfDmpError, match="one-dimensional and of one length"):
+        Table(columns)
+
+
+def test_a_table_comes_back_from_csv_digit_for_digit(tmp_path):
+    values = np.array([0.1, 1 / 3, -1e-300, np.nan, 6.02e23])
+    names = ["plain", "comma, and", 'a "quote"', "two\nlines", "ü"]
+    write_csv(Table({"name": names, "value_m": values, "count": np.arange(5)}), tmp_path / "t.csv")
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert header == ["name", "value_m", "count"]
+    assert [row[0] for row in rows] == names
+    np.testing.assert_array_equal([float(row[1]) for row in rows], values)
+    assert [int(row[2]) for row in rows] == [0, 1, 2, 3, 4]
+
+
+PARTS = {"claims": [], "figures": {"f": Figure()}, "captions": {"f": "A figure."}, "tables": {"t": Table({"a": [1]})}}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"captions": {}}, "figure 'f' has no caption"),
+        ({"captions": {"f": " "}}, "figure 'f' has no caption"),
+        ({"captions": {"f": "a", "g": "b"}}, "'g' belongs to no figure; figures: f"),
+        ({"shown": ["u"]}, "'u', which is no table; tables: t"),
+        ({"tables": {"../t": Table({"a": [1]})}}, "no file stem"),
+        ({"tables": {"t": {"a": [1]}}}, "tables holds a dict; use Table"),
+        ({"figures": {"f": None}}, "figures holds a NoneType; use Figure"),
+        ({"claims": ["it holds"]}, "claims holds a str; use Claim"),
+        ({"notes": "one string, not several"}, "notes holds a str"),
+    ],
+)
+def test_a_study_with_a_part_missing_is_refused(change, words):
+    Study(**PARTS)
+    with pytest.raises(BlfDmpError) as caught:
+        Study(**(PARTS | change))
+    assert words in str(caught.value)
+
+
+# Finding and loading.
+
+
+def test_finds_pairs_with_a_function_study_in_the_papers_order_without_importing_them(tmp_path):
+    for name in ("zebra", "sampling", "aardvark", "trajectories", "measurement_noise"):
+        add_study(tmp_path, name, failing("pass") + "\nraise RuntimeError('imported')\n")
+    add_study(tmp_path, "tool", '"""No study."""\n\n\ndef main():\n    pass\n')
+    add_study(tmp_path, "silent", "def study(context):\n    pass\n")
+    add_study(tmp_path, "broken", "def study(context)\n")
+    (tmp_path / "scenario_alone.yaml").write_text("name: a\n")
+    (tmp_path / "script_alone.py").write_text(GOOD)
+    found = FindStudies(tmp_path)
+    expected = ["measurement_noise", "trajectories", "sampling", "aardvark", "broken", "silent", "zebra"]
+    assert list(found) == expected
+    assert found["zebra"].description == "Fails."
+    assert "no description" in found["silent"].description
+    assert "does not parse" in found["broken"].description
+    assert len(listing(found).splitlines()) == len(expected)
+    assert "zebra             - Fails." in listing(found).splitlines()
+
+
+def test_an_empty_or_missing_folder_has_no_studies(tmp_path):
+    assert FindStudies(tmp_path) == FindStudies(tmp_path / "nowhere") == {}
+    assert listing({}) == "no studies"
+    with pytest.raises(BlfDmpError, match="none to run"):
+        ChooseStudies({}, [])
+
+
+def test_the_order_names_each_study_once():
+    assert len(set(ORDER)) == len(ORDER)
+
+
+def test_chooses_each_once_in_order_and_refuses_the_unknown(tmp_path):
+    for name in ("b", "a"):
+        add_study(tmp_path, name)
+    found = FindStudies(tmp_path)
+    assert [script.name for script in ChooseStudies(found, ["b", "a", "b"])] == ["a", "b"]
+    with pytest.raises(BlfDmpError, match="there is no 'c'; choose from a, b"):
+        ChooseStudies(found, ["a", "c"])
+
+
+def test_a_script_may_define_dataclasses_of_its_own(tmp_path):
+    script = GOOD.replace(
+        "import numpy", "from __future__ import annotations\n\nfrom dataclasses import dataclass\nimport numpy"
+    )
+    script += "\n\n@dataclass\nclass Row:\n    a: float\n"
+    add_study(tmp_path, "good", script)
+    study = LoadStudy(FindStudies(tmp_path)["good"])
+    context = StudyContext(LoadScenario(tmp_path / "good.yaml"), True, lambda what, share: None, None)
+    assert isinstance(study(context), Study)
+
+
+# Options.
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"settings": ["box.weight=1"]}, "'box.weight'"),
+        ({"settings": ["box.mass=-1"]}, "box.mass must be positive"),
+        ({"settings": ["seed=-1"]}, "the seed is -1"),
+        ({"workers": 0}, "--workers 0"),
+    ],
+)
+def test_options_that_no_study_can_run_with_are_refused(options, words, tmp_path):
+    add_study(tmp_path, "good")
+    add_study(tmp_path, "odd", scenario="law: magic\n")
+    scripts = list(FindStudies(tmp_path).values())
+    CheckOptions(scripts, StudyOptions())  # The broken scenario is not the options' fault.
+    with pytest.raises(BlfDmpError) as caught:
+        CheckOptions(scripts, StudyOptions(**options))
+    assert words in str(caught.value)
+
+
+def test_recordings_must_be_a_folder(tmp_path):
+    add_study(tmp_path, "good")
+    scripts = list(FindStudies(tmp_path).values())
+    CheckOptions(scripts, StudyOptions(recordings=tmp_path))
+    for wrong in (tmp_path / "nowhere", tmp_path / "good.py"):
+        with pytest.raises(BlfDmpError, match="is no folder"):
+            CheckOptions(scripts, StudyOptions(recordings=wrong))
+
+
+# Running.
+
+
+def test_a_study_leaves_figures_tables_and_its_scenario(tmp_path):
+    add_study(tmp_path / "studies", "good")
+    seen = []
+    options = StudyOptions(settings=["seed=7", "box.mass=2"], quick=True, recordings=tmp_path, workers=3)
+    out, results = run(tmp_path / "studies", tmp_path, options, lambda what, share: seen.append((what, share)))
+    result = results["good"]
+    files = ("noise.csv", "noise.png", "noise.svg", "scenario.yaml")
+    assert tuple(sorted(path.name for path in (out / "good").iterdir())) == result.files == files
+    assert result.state == "done"
+    assert result.seed == 7
+    assert result.seconds > 0
+    assert result.claims[0].measured == "2 kg, quick True"
+    assert result.figures["noise"].caption == f"3 workers, {tmp_path}"
+    assert result.figures["noise"].width == 3.5
+    assert result.command == f"python run.py studies good --quick --set seed=7 --set box.mass=2 --recordings {tmp_path}"
+    scenario = LoadScenario(out / "good" / "scenario.yaml")
+    assert (scenario.name, scenario.seed, scenario.box.mass) == ("good", 7, 2.0)
+    drawn = np.genfromtxt(out / "good" / "noise.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(drawn["value_m"], np.random.default_rng(7).normal(size=5))
+    assert imread(out / "good" / "noise.png").shape[1] > 600
+    assert ("[1/1] good: counting", 0.5) in seen
+    for name in ("report.html", "report.md"):
+        assert (out / name).is_file()
+
+
+def test_the_same_study_twice_gives_the_same_bytes(tmp_path):
+    add_study(tmp_path / "studies", "good")
+    folders = []
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        folders.append(run(tmp_path / "studies", tmp_path / name)[0] / "good")
+    for path in folders[0].iterdir():
+        assert path.read_bytes() == (folders[1] / path.name).read_bytes(), path.name
+    svg = (folders[0] / "noise.svg").read_text(encoding="utf-8")
+    assert "<dc:date>" not in svg and matplotlib.__version__ not in svg
+
+
+FAILURES = {
+    "key": (failing("return {}['gain']"), "KeyError: 'gain'"),
+    "lines": (failing("raise TypeError('out of\\n reach')"), "TypeError: out of reach"),
+    "nothing": (failing("pass"), "BlfDmpError: {script}: study() returned a NoneType; return a Study"),
+    "exits": (failing("raise SystemExit(3)"), "SystemExit: 3"),
+    "wordless": (failing("raise ValueError"), "ValueError"),
+    "syntax": ("def study(context)\n", "SyntaxError: "),
+    "imports": ('"""Fails."""\nimport no_such_module\n\n\ndef study(context):\n    pass\n', "ModuleNotFoundError: "),
+    "vanished": (failing("pass") + "\n\ndel study\n", "BlfDmpError: {script}: has no function study(context)"),
+}  # fmt: skip
+
+
+def test_a_study_that_fails_says_so_in_one_line_and_stops_no_other(tmp_path):
+    for name, (script, _) in FAILURES.items():
+        add_study(tmp_path / "studies", name, script)
+    add_study(tmp_path / "studies", "zz_good")
+    add_study(tmp_path / "studies", "zz_odd", scenario="law: magic\n")
+    out, results = run(tmp_path / "studies", tmp_path)
+    for name, (_, expected) in FAILURES.items():
+        assert results[name].state == "failed"
+        assert results[name].error.startswith(expected.format(script=tmp_path / "studies" / f"{name}.py"))
+        assert "\n" not in results[name].error
+        assert "Traceback" in (out / name / "error.txt").read_text()
+        assert not results[name].claims
+    assert results["zz_good"].state == "done"
+    assert results["zz_odd"].error.startswith(f"{ScenarioError.__name__}: ")
+    text = summary_table(list(results.values()))
+    assert text.count("failed") == len(FAILURES) + 1
+    assert len(text.splitlines()) == len(results) + 1
+
+
+def test_the_report_is_written_after_each_study(tmp_path):
+    probe = failing("raise ValueError(open(context.scenario.recording.file).read().count('not run'))")
+    add_study(tmp_path / "studies", "a")
+    for name in ("b", "c"):
+        add_study(tmp_path / "studies", name, probe, f"recording: {{file: '{tmp_path / 'out' / 'report.md'}'}}\n")
+    _, results = run(tmp_path / "studies", tmp_path)
+    # After `a`, two studies are not run yet, each named twice: in the summary and in its section.
+    assert results["b"].error == "ValueError: 4"
+    assert results["c"].error == "ValueError: 2"
+
+
+def test_an_interruption_is_passed_on_and_the_report_is_whole(tmp_path):
+    add_study(tmp_path / "studies", "a")
+    add_study(tmp_path / "studies", "b", failing("raise KeyboardInterrupt"))
+    add_study(tmp_path / "studies", "c")
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path / "studies", tmp_path)
+    lines = (tmp_path / "out" / "report.md").read_text().splitlines()
+    states = {
+        line.split("|")[1].split("]")[0].strip(" ["): line.split("|")[-2].strip()
+        for line in lines[4:9]
+        if "#study-" in line
+    }
+    assert states == {"a": "done", "b": "interrupted", "c": "not run"}
+    assert (tmp_path / "out" / "report.html").read_text().rstrip().endswith("</html>")
+    assert not (tmp_path / "out" / "c").exists()
