@@ -94,10 +94,10 @@ class GainsConfig:
 class PublishedConfig:
     """Gains of the published laws, see `skill.laws.follower`."""
 
-    k_z: float = 200.0
-    d_z: float = 0.3
+    k_z: float = 300.0
+    d_z: float = 0.2
     k_2: float = 0.0
-    largest_rate: float = 200.0
+    largest_rate: float = 150.0
 
 
 @dataclass
@@ -105,7 +105,7 @@ class GamsConfig:
     """Gains of the coupling of Gams et al., see `skill.laws.gams`."""
 
     c_k: float = 300.0
-    c_2: float = 30.0
+    c_2: float = 10.0
 
 
 @dataclass

@@ -50,7 +50,7 @@ class Task:
         hands = self.bands.hands
         if not isinstance(hands, HandDistance):
             raise TypeError("a task's hands open and close")
-        return hands.close_s + hands.duration_s, hands.open_s
+        return float(hands.close_s + hands.duration_s), float(hands.open_s)
 
 
 def MakeMotion(scenario: Scenario, source: Source) -> TaskMotion:

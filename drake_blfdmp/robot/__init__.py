@@ -3,5 +3,6 @@
 models: where the model files are. plant: both arms, their joint PD and limits. box: the box and its tables.
 contact: the contact model, palm forces, how deep to squeeze. clearance: the least distance between what must not touch.
 kinematics, swivel: palm poses, Jacobians, the swivel angle. retargeting, reach: from the person to palms, and where and
-how large the motion fits the arms. differential_ik, tracking, posture: from palms to joints.
+how large the motion fits the arms. redundancy: what fills the null space. differential_ik, tracking, posture: from
+palms to joints. description: the whole scene as one URDF.
 """

@@ -81,7 +81,7 @@ def iterate(
     epochs: int,
     time_step: float,
     duration: float | None = None,
-    gains: GamsGains = GamsGains(),
+    gains: GamsGains = GamsGains(c_2=0.0),
     q: float = 0.99,
     learning_gain: float = 1.0,
     settled: float = 1.0,
@@ -92,7 +92,7 @@ def iterate(
     Args:
         bands: `bands.hands` gives d_d.
         time_step: of the rollout and of the learning, s; duration: s, the skill's by default.
-        gains: of `skill.laws.gams`; only the product c k matters.
+        gains: of `skill.laws.gams`; without c_2, with which the error at the start fades slowly and misleads learning.
         q, learning_gain: Q and L, one each.
         settled: what is later than this counts in `settled_rms`, s.
 

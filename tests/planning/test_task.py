@@ -206,7 +206,7 @@ def test_what_learning_and_the_law_refuse_is_refused(source, motion, task):
     ("law", "changes", "gains"),
     [
         ("default", {"gains": {"k_1": 6.0}}, Gains(6.0, 20.0)),
-        ("published", {"published": {"k_z": 50.0, "k_2": 1.0}}, PublishedGains(50.0, 0.3, 1.0, 200.0)),
+        ("published", {"published": {"k_z": 50.0, "k_2": 1.0}}, PublishedGains(50.0, 0.2, 1.0, 150.0)),
         ("published_loop", {}, PublishedGains()),
         ("published_lagged", {"published": {"largest_rate": 9.0}}, PublishedGains(largest_rate=9.0)),
         ("gams", {"gams": {"c_k": 20.0, "c_2": 2.0}}, GamsGains(20.0, 2.0)),

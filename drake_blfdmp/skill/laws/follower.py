@@ -32,10 +32,10 @@ class PublishedGains:
             above one over its step.
     """
 
-    k_z: float | np.ndarray = 200.0
-    d_z: float | np.ndarray = 0.3
+    k_z: float | np.ndarray = 300.0
+    d_z: float | np.ndarray = 0.2
     k_2: float | np.ndarray = 0.0
-    largest_rate: float | np.ndarray = 200.0
+    largest_rate: float | np.ndarray = 150.0
 
 
 def barrier_function(z_1, z_2, kappa_lo, kappa_hi):

@@ -36,7 +36,7 @@ class GamsGains:
     """
 
     c_k: float | np.ndarray = 300.0
-    c_2: float | np.ndarray = 30.0
+    c_2: float | np.ndarray = 10.0
     lf_1: float = 1.0
     lf_2: float = 1.0
 
