@@ -145,7 +145,7 @@ def test_verdicts_differ_in_word_and_sign(results, tmp_path):
 
 def test_shown_tables_are_printed_and_missing_numbers_are_a_dash(results, tmp_path):
     table = next(table for table in Page(write(results, tmp_path)[0]).tables if "error_m" in table[0])
-    assert table == [["link", "error_m", "ok"], ["hands", "1.235", "yes"], [NASTY, "-", "no"]]
+    assert table == [["link", "error_m", "ok"], ["hands", "1.2346", "yes"], [NASTY, "-", "no"]]
 
 
 def test_every_link_within_the_page_has_its_target_once(results, tmp_path):

@@ -5,6 +5,7 @@ A case is a batch of problems in which one thing is changed; all cases are run a
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -53,6 +54,11 @@ class Case:
     def goal_at(self, t: float) -> np.ndarray:
         """(P, 6, 3) m."""
         return np.asarray(self.goal(t) if callable(self.goal) else self.goal)
+
+    def every(self, stride: int) -> "Case":
+        """Only each of these many problems, the first included."""
+        hands = HandDistance(**{name: value[::stride] for name, value in vars(self.hands).items()})
+        return Case(self.start[::stride], lambda t: self.goal_at(t)[::stride], self.tau[::stride], hands)
 
 
 @dataclass(frozen=True)
@@ -146,11 +152,13 @@ def run_cases(
     laws: Sequence[str],
     step: float,
     progress: Callable[[str, float], None] = lambda what, share: None,
+    gains: Mapping[str, Any] | None = None,
 ) -> dict[tuple[str, str], Motion]:
-    """The motions by case and law; each law runs all cases in one batch, with the scenario's gains.
+    """The motions by case and law; each law runs all cases in one batch.
 
     Args:
         step: s.
+        gains: of some laws; the others take the scenario's.
         progress: called with the law and the share of its steps done, 0 to 1.
 
     Raises:
@@ -158,8 +166,9 @@ def run_cases(
     """
     every = together(list(cases.values()))
     ends = np.cumsum([len(case.tau) for case in cases.values()])
+    own = {name: LawGains(replace(scenario, law=name)) for name in laws} | dict(gains or {})
     whole = {
-        name: _run(scenario, task, every, name, step, lambda share, name=name: progress(name, share)) for name in laws
+        name: _run(task, every, name, own[name], step, lambda share, name=name: progress(name, share)) for name in laws
     }
     return {
         (label, name): whole[name].of(slice(end - len(case.tau), end))
@@ -168,11 +177,25 @@ def run_cases(
     }
 
 
-def _run(
-    scenario: Scenario, task: Task, case: Case, name: str, step: float, progress: Callable[[float], None]
-) -> Motion:
+def best_gains(
+    task: Task,
+    cases: Mapping[str, Case],
+    name: str,
+    candidates: Sequence[Any],
+    step: float,
+    progress: Callable[[float], None] = lambda share: None,
+) -> tuple[Any, list[int]]:
+    """The gains with which a law leaves its bands in the fewest of all problems, and in how many with each."""
+    every = together(list(cases.values()))
+    left = []
+    for i, gains in enumerate(candidates):
+        motion = _run(task, every, name, gains, step, lambda share, i=i: progress((i + share) / len(candidates)))
+        left.append(int(np.sum(~(motion.least > 0.0))))
+    return candidates[int(np.argmin(left))], left
+
+
+def _run(task: Task, case: Case, name: str, gains: Any, step: float, progress: Callable[[float], None]) -> Motion:
     """All problems of a case with one law."""
-    gains = LawGains(replace(scenario, law=name))
     if isinstance(gains, Gains):
         gains.check(step)
     samples = int(case.tau.max() / step + 1e-9) + 1
@@ -210,7 +233,12 @@ def measure(case: Case, motion: Motion, plain: np.ndarray, home: np.ndarray) -> 
     end = end_errors(motion.end, case.goal_at(float(case.tau.max())))
     middle = in_normalised_time(motion.t, motion.middle, case.tau)
     ended = np.isfinite(motion.end).all(axis=(1, 2))
-    hands, points, changed = end.hands[ended], end.points[ended], path_distance(middle, plain)[ended]
+    profile = profile_correlation(middle, np.broadcast_to(home, middle.shape))
+    # NaN where every problem diverged.
+    hands, points, changed, profile = (
+        values[ended] if ended.any() else np.array([np.nan])
+        for values in (end.hands, end.points, path_distance(middle, plain), profile)
+    )
     return {
         "problems": len(case.tau),
         "left": int(np.sum(~(motion.least > 0.0))),
@@ -222,7 +250,7 @@ def measure(case: Case, motion: Motion, plain: np.ndarray, home: np.ndarray) -> 
         "end_points_mean_m": float(points.mean()),
         "path_mean_m": float(changed.mean()),
         "path_max_m": float(changed.max()),
-        "profile_least": float(profile_correlation(middle, np.broadcast_to(home, middle.shape))[ended].min()),
+        "profile_least": float(profile.min()),
     }
 
 

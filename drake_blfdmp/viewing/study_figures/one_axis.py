@@ -75,6 +75,7 @@ def facts(
     _errors(four, {}, (), _end(lagged))
     four.plot(lagged.t, 1e3 * lagged.error, **LAW_LOOKS["published_lagged"] | {"marker": ".", "markersize": 3})
     four.set_title("3b: lagged, constant band")
+    four.locator_params(axis="x", nbins=4)
     _errors(five, signs, ((style.BLUE, "-"), (style.VERMILLION, DASHED)), 0.2)
     five.set_title("sign of $z_1$")
     _turns(six, angles)

@@ -9,6 +9,7 @@ from drake_blfdmp.evaluation.studies.generalisation_cases import (
     STARTS,
     Case,
     Motion,
+    best_gains,
     make_cases,
     measure,
     measure_all,
@@ -18,6 +19,7 @@ from drake_blfdmp.evaluation.studies.generalisation_metrics import in_normalised
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import MakeMotion, MakeTask
 from drake_blfdmp.skill.geometry import link_lengths
+from drake_blfdmp.skill.laws.follower import PublishedGains
 
 
 @pytest.fixture(scope="module")
@@ -94,3 +96,19 @@ def test_problems_that_diverge_are_counted_and_not_averaged():
     row = measure(case, motion, samples, samples[:, :1])
     assert (row["problems"], row["diverged"], row["left"], row["least_margin"]) == (2, 1, 1, -np.inf)
     assert (row["end_hands_max_m"], row["path_max_m"], row["profile_least"]) == pytest.approx((0.5, 0.0, 1.0))
+
+
+def test_the_best_gains_leave_the_fewest_bands(default_scenario, cases):
+    task, made = cases
+    weak, strong = PublishedGains(1.0, 3.0, 0.0, 5.0), PublishedGains()
+    best, left = best_gains(task, {LEARNED: made[LEARNED]}, "published", [weak, strong], 0.004)
+    assert best is strong and left == [1, 0]
+
+
+def test_every_nth_problem(cases):
+    case = cases[1][STARTS]
+    few = case.every(2)
+    np.testing.assert_array_equal(few.start, case.start[[0, 2, 4]])
+    np.testing.assert_array_equal(few.goal_at(1.0), case.goal_at(1.0)[::2])
+    np.testing.assert_array_equal(few.tau, case.tau[::2])
+    np.testing.assert_array_equal(few.hands.closed_m, case.hands.closed_m[::2])
