@@ -5,6 +5,8 @@ The links form one chain, left shoulder to right shoulder, so neighbours share e
 
 from typing import NamedTuple
 
+import numpy as np
+
 POINTS = (
     "left_shoulder",
     "left_elbow",
@@ -30,5 +32,7 @@ LINKS = (
     Link("right_forearm", 5, 4),
     Link("right_upper_arm", 4, 3),
 )
+
+SHOULDERS, ELBOWS, WRISTS = np.array([0, 3]), np.array([1, 4]), np.array([2, 5])  # Of POINTS, left and right.
 
 HANDS = 2  # The index in LINKS of the link between the hands.

@@ -49,7 +49,7 @@ def study(context: StudyContext) -> Study:
     nearer = results["default"].distance_m < min(results[name].distance_m for name in COMPARED[1:])
     counts = [np.inf if r.until_inside is None else r.until_inside for r in results.values()]
     sooner = counts[0] <= min(counts[1:])
-    soon = counts[1] <= 20
+    soon = counts[1] <= 15
     return Study(
         claims=[
             Claim(

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_blfdmp.robot.swivel import swivel_angle, swivel_rate, wrap
+from drake_blfdmp.skeleton import ELBOWS, SHOULDERS, WRISTS
 from drake_blfdmp.vectors import cross, dot
 
-SHOULDERS, ELBOWS, WRISTS = np.array([0, 3]), np.array([1, 4]), np.array([2, 5])
 OVERHEAD = np.deg2rad(120.0)
 OUTWARD = np.array([1.0, -1.0])  # The sign of the swivel angle with which each arm's elbow swings away from the body.
 

@@ -11,13 +11,13 @@ from drake_blfdmp.evaluation.metrics import rms_distance, samples_until_inside
 from drake_blfdmp.evaluation.studies.gain_search import coupled_links, demonstrated_motion
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.task import LawGains, Task
-from drake_blfdmp.skeleton import HANDS
+from drake_blfdmp.skeleton import ELBOWS, HANDS, SHOULDERS, WRISTS
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.geometry import link_vectors
 from drake_blfdmp.skill.laws import law as law_named
 from drake_blfdmp.skill.laws.follower import PublishedGains, follower_acceleration
 from drake_blfdmp.skill.laws.primitive import Primitive
-from drake_blfdmp.skill.laws.rounds import BETWEEN_HANDS, ELBOWS, FOREARMS, OTHER_WRISTS, WRISTS, common, interval
+from drake_blfdmp.skill.laws.rounds import BETWEEN_HANDS, FOREARMS, OTHER_WRISTS, UPPER_ARMS, common, interval
 from drake_blfdmp.skill.rollout import Rollout, margins, roll_out
 
 
@@ -123,7 +123,7 @@ def common_results(rollout: Rollout) -> CommonResults:
         for own, partner, link in (
             (WRISTS, ELBOWS, FOREARMS),
             (WRISTS, OTHER_WRISTS, BETWEEN_HANDS),
-            (ELBOWS, np.array([0, 3]), np.array([0, 4])),
+            (ELBOWS, SHOULDERS, UPPER_ARMS),
             (ELBOWS, WRISTS, FOREARMS),
         )
     ]

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drake_blfdmp.skeleton import HANDS
+from drake_blfdmp.skeleton import ELBOWS, HANDS, SHOULDERS, WRISTS
 from drake_blfdmp.skill.bands import LOWER, UPPER
 from drake_blfdmp.skill.laws.follower import PublishedGains, follower_acceleration
 from drake_blfdmp.vectors import dot
 
-SHOULDERS, ELBOWS, WRISTS = np.array([0, 3]), np.array([1, 4]), np.array([2, 5])
 OTHER_WRISTS = WRISTS[::-1]
 UPPER_ARMS, FOREARMS, BETWEEN_HANDS = np.array([0, 4]), np.array([1, 3]), np.array([HANDS, HANDS])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.skeleton import HANDS
+from drake_blfdmp.skeleton import ELBOWS, HANDS, SHOULDERS, WRISTS
 from drake_blfdmp.skill.bands import make_bands
 from drake_blfdmp.skill.geometry import link_lengths
 from drake_blfdmp.skill.laws.follower import PublishedGains, follower_acceleration
@@ -14,12 +14,9 @@ from drake_blfdmp.skill.laws.published_lagged import as_lagged, published_lagged
 from drake_blfdmp.skill.laws.published_loop import as_loop, published_loop
 from drake_blfdmp.skill.laws.rounds import (
     BETWEEN_HANDS,
-    ELBOWS,
     FOREARMS,
     OTHER_WRISTS,
-    SHOULDERS,
     UPPER_ARMS,
-    WRISTS,
     Interval,
     common,
     interval,
