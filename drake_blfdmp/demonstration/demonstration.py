@@ -26,6 +26,10 @@ class Recording:
         frames: (N,) the file's own frame numbers (int), or the row's number from 0.
         synthetic: True when no person was recorded.
         known: dimensions known beforehand.
+        confidence: (N, 6) what the sensor itself says of each point, 0 not seen, 0.5 guessed, 1 tracked; None where it
+            says nothing.
+        up: the axis that points up by the file or its format ("z", "y", "-y", ...); None where neither tells.
+        evidence: sentences on how the file was understood: format, unit, clock, person.
     """
 
     t: np.ndarray
@@ -35,6 +39,9 @@ class Recording:
     frames: np.ndarray
     synthetic: bool = False
     known: KnownDimensions = KnownDimensions()
+    confidence: np.ndarray | None = None
+    up: str | None = None
+    evidence: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,9 @@ class Demonstration:
         synthetic: True when no person was recorded.
         repairs: what cleaning did, name of the repair -> number of samples (0 when not needed).
         known: dimensions known beforehand.
+        uncertainty: (6,) standard deviation of each point's error before smoothing, m, as estimated from the
+            recording itself; None where it was not.
+        notes: sentences on what cleaning found and chose: axes, jumps, smoothing.
     """
 
     t: np.ndarray
@@ -56,6 +66,8 @@ class Demonstration:
     synthetic: bool = False
     repairs: dict[str, int] = field(default_factory=dict)
     known: KnownDimensions = KnownDimensions()
+    uncertainty: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def rate_hz(self) -> float:
@@ -66,3 +78,18 @@ class Demonstration:
     def duration_s(self) -> float:
         """Length, s."""
         return float(self.t[-1] - self.t[0])
+
+
+def as_recording(demonstration: Demonstration) -> Recording:
+    """A clean motion as a recording, to be written or read again: z up, in metres and seconds."""
+    return Recording(
+        t=demonstration.t,
+        x=demonstration.x,
+        source=demonstration.source,
+        format="cleaned",
+        frames=np.arange(len(demonstration.t)),
+        synthetic=demonstration.synthetic,
+        known=demonstration.known,
+        up="z",
+        evidence=demonstration.notes,
+    )

@@ -31,6 +31,26 @@ def up_axis(x: np.ndarray, by_format: str | None = None) -> str | None:
     return best if clear else None
 
 
+def up_from_heads(heads: np.ndarray, shoulders: np.ndarray) -> str | None:
+    """The axis along which heads lie above shoulders, whichever it is: cameras look from above, too.
+
+    Args:
+        heads: (N, 3) a point of the head, in any unit and frame; NaN where missing.
+        shoulders: (N, 3) the middle between the shoulders.
+
+    Returns:
+        One of AXES, or None where nothing is seen or no axis is near (a head leans forward by up to 45 degrees).
+    """
+    neck = heads - shoulders
+    length = np.linalg.norm(neck, axis=-1)
+    seen = np.isfinite(length) & (length > 0.0)
+    if not seen.any():
+        return None
+    mean = np.mean(neck[seen] / length[seen, None], axis=0)
+    best = max(AXES, key=lambda name: float(mean @ _direction(name)))
+    return best if float(mean @ _direction(best)) >= _CLEAR else None
+
+
 def rotation_to_z_up(up: str) -> np.ndarray:
     """The proper rotation R that makes `up` the z axis, x_zup = R x; (x, -z, y) for y up, (x, z, -y) for y down.
 

@@ -4,7 +4,5 @@ run_log         the arrays that metrics and figures are computed from
 mcap_recorder   McapRecorder, the LeafSystem that records a run
 plant_names     what of a plant is recorded, and under which names
 mcap_file       the file under construction: chunks, metadata, attachments
-ros2_messages   the messages' definitions and templates
-cdr             the bytes of a message
 read            read_mcap: a recording back in arrays, a damaged one up to the break
 """

@@ -7,7 +7,7 @@ from mcap.writer import CompressionType, Writer
 
 import drake_blfdmp
 from drake_blfdmp.errors import BlfDmpError
-from drake_blfdmp.recording.ros2_messages import DEFINITIONS
+from drake_blfdmp.ros2.messages import DEFINITIONS
 
 CHUNK_BYTES = 256 * 1024
 
@@ -87,7 +87,7 @@ class McapFile:
     def add_channel(
         self, topic: str, message_type: str, metadata: Mapping[str, str] | None = None, *, transient_local: bool = False
     ) -> int:
-        """Adds a topic of one of the types in `ros2_messages.DEFINITIONS`; returns its number for `write`."""
+        """Adds a topic of one of the types in `ros2.messages.DEFINITIONS`; returns its number for `write`."""
         if message_type not in self._schemas:
             self._schemas[message_type] = self._writer.register_schema(
                 name=message_type, encoding="ros2msg", data=DEFINITIONS[message_type].encode()

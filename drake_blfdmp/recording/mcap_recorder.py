@@ -13,10 +13,10 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiagramBuilder, InputPort, LeafSystem
 
-from drake_blfdmp.recording import ros2_messages
-from drake_blfdmp.recording.cdr import CdrTemplate
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
 from drake_blfdmp.recording.plant_names import plant_names
+from drake_blfdmp.ros2 import messages as ros2_messages
+from drake_blfdmp.ros2.cdr import CdrTemplate
 
 _NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 _OWN_TOPICS = ("robot_description", "joint_states", "tf", "tf_static", "events")

@@ -9,9 +9,9 @@ from mcap.exceptions import InvalidMagic
 from mcap.records import Attachment, Channel, Header, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader
 
-from drake_blfdmp.recording.cdr import CdrReader
 from drake_blfdmp.recording.mcap_file import RecorderError
-from drake_blfdmp.recording.ros2_messages import JOINT_STATE, LOG, STRING, TF, WRENCH
+from drake_blfdmp.ros2.cdr import CdrReader
+from drake_blfdmp.ros2.messages import JOINT_STATE, LOG, STRING, TF, WRENCH
 
 
 @dataclass(frozen=True)

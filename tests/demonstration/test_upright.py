@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_carry import carry, turn
 
-from drake_blfdmp.demonstration.upright import AXES, rotation_to_z_up, sidedness, up_axis
+from drake_blfdmp.demonstration.upright import AXES, rotation_to_z_up, sidedness, up_axis, up_from_heads
 
 _, X = carry(duration=2.0)
 
@@ -46,3 +46,17 @@ def test_sidedness_changes_sign_with_the_sides(angle):
     reach, behind = sidedness(x)
     assert reach > 0.2 and behind == 0.0
     assert sidedness(x[:, [3, 4, 5, 0, 1, 2]])[0] == pytest.approx(-reach)
+
+
+@pytest.mark.parametrize("up", AXES)
+def test_heads_tell_up_even_of_a_person_who_leans_forward(up):
+    neck = np.array([0.0, np.sin(0.7), np.cos(0.7)]) * 250.0  # z up, 40 degrees forward, mm.
+    shoulders = np.random.default_rng(0).normal(size=(30, 3))
+    heads = shoulders + neck @ rotation_to_z_up(up) + 20.0 * np.random.default_rng(1).normal(size=(30, 3))
+    heads[3:9] = np.nan
+    assert up_from_heads(heads, shoulders) == up
+
+
+@pytest.mark.parametrize("heads", [np.full((5, 3), np.nan), np.zeros((5, 3)), np.tile([1.0, 1.0, 1.0], (5, 1))])
+def test_heads_that_are_not_seen_or_lie_between_all_axes_tell_nothing(heads):
+    assert up_from_heads(heads, np.zeros((5, 3))) is None

@@ -7,7 +7,7 @@ from mcap.writer import Writer
 
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
 from drake_blfdmp.recording.read import McapRun, read_mcap
-from drake_blfdmp.recording.ros2_messages import joint_state_template
+from drake_blfdmp.ros2.messages import joint_state_template
 
 
 @pytest.fixture(scope="module")

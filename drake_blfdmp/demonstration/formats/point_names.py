@@ -11,9 +11,9 @@ from drake_blfdmp.skeleton import POINTS
 # "sol", "sag", "omuz", "dirsek", "bilek" are Turkish. The order is a rank: of two matching names the earlier one wins.
 _SIDES = {"left": ("left", "l", "lft", "sol"), "right": ("right", "r", "rgt", "sag")}
 _PARTS = {
-    "shoulder": ("shoulder", "sho", "shld", "omuz", "acromion", "acr", "upperarm"),
-    "elbow": ("elbow", "elb", "dirsek", "forearm", "lowerarm"),
-    "wrist": ("wrist", "wri", "wrst", "bilek", "wra", "wrb"),
+    "shoulder": ("shoulder", "sho", "shld", "omuz", "acromion", "acr", "shouldertop", "upperarm"),
+    "elbow": ("elbow", "elb", "dirsek", "elbowout", "forearm", "lowerarm"),
+    "wrist": ("wrist", "wri", "wrst", "bilek", "wra", "wrb", "wristout", "wristin"),
 }
 
 
@@ -82,5 +82,6 @@ def resolve(
 
 def listed(names: Sequence[str], most: int = 40) -> str:
     """Names for a message, one line however many there are."""
-    shown = ", ".join(name if len(name) <= 60 else name[:57] + "..." for name in names[:most])
+    printable = ("".join(filter(str.isprintable, name[:61])) for name in names[:most])
+    shown = ", ".join(name if len(name) <= 60 else name[:57] + "..." for name in printable)
     return (shown or "no names") + (f" and {len(names) - most} more" if len(names) > most else "")

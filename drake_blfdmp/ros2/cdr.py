@@ -41,6 +41,19 @@ class CdrWriter:
         self._align(4)
         self._body.extend(struct.pack("<I", value))
 
+    def int32(self, value: int) -> None:
+        self._align(4)
+        self._body.extend(struct.pack("<i", value))
+
+    def float32(self, value: float) -> None:
+        self._align(4)
+        self._body.extend(struct.pack("<f", value))
+
+    def float64(self, value: float) -> None:
+        """A float64 that stays as it is in a template."""
+        self._align(8)
+        self._body.extend(struct.pack("<d", value))
+
     def string(self, text: str) -> None:
         """Length with the closing NUL, the UTF-8 bytes, the NUL."""
         encoded = text.encode() + b"\0"
@@ -118,15 +131,20 @@ class CdrTemplate:
 class CdrReader:
     """Walks over the fields of one message, in the order in which a `CdrWriter` wrote them.
 
+    Attributes:
+        structure: (start, size) of the bytes read by value so far, not only by place: what messages of one kind share.
+
     Raises:
         ValueError: the bytes are no little-endian CDR, or end within a field.
     """
 
     def __init__(self, data: bytes):
-        if data[:_HEADER] != ENCAPSULATION:
+        # The last two bytes are options, in which some middleware counts the padding at the message's end.
+        if len(data) < _HEADER or data[:2] != ENCAPSULATION[:2]:
             raise ValueError(f"encapsulation header {data[:_HEADER].hex()} instead of {ENCAPSULATION.hex()}")
         self._data = data
         self._at = _HEADER
+        self.structure: list[tuple[int, int]] = []
 
     def _take(self, size: int, align: int) -> int:
         start = self._at + -(self._at - _HEADER) % align
@@ -135,16 +153,33 @@ class CdrReader:
         self._at = start + size
         return start
 
+    def _read(self, size: int, align: int) -> int:
+        start = self._take(size, align)
+        self.structure.append((start, size))
+        return start
+
+    @property
+    def left(self) -> int:
+        """Bytes behind the last field read."""
+        return len(self._data) - self._at
+
     def uint8(self) -> int:
-        return self._data[self._take(1, 1)]
+        return self._data[self._read(1, 1)]
+
+    def int32(self) -> int:
+        return struct.unpack_from("<i", self._data, self._read(4, 4))[0]
 
     def uint32(self) -> int:
-        return struct.unpack_from("<I", self._data, self._take(4, 4))[0]
+        return struct.unpack_from("<I", self._data, self._read(4, 4))[0]
 
     def string(self) -> str:
         length = self.uint32()
-        start = self._take(length, 1)
+        start = self._read(length, 1)
         return self._data[start : start + length - 1].decode()
+
+    def place(self, count: int, size: int, align: int | None = None) -> int:
+        """Where (byte offset in the message) the next `count` fields of `size` bytes stand; passes over them."""
+        return self._take(count * size, size if align is None else align) if count else self._at
 
     def strings(self) -> list[str]:
         return [self.string() for _ in range(self.uint32())]

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from drake_blfdmp.recording import ros2_messages as messages
-from drake_blfdmp.recording.cdr import CdrReader
+from drake_blfdmp.ros2 import messages
+from drake_blfdmp.ros2.cdr import CdrReader
 
 HUMBLE = get_typestore(Stores.ROS2_HUMBLE)
 NAMES = st.lists(st.text(st.characters(codec="utf-8", exclude_characters="\0"), min_size=1, max_size=12), max_size=8)
@@ -80,6 +80,44 @@ def test_wrench_bytes(frame, t_ns, values):
     wrench = HUMBLE.types["geometry_msgs/msg/Wrench"](vector(*values[:3]), vector(*values[3:]))
     expected = HUMBLE.serialize_cdr(HUMBLE.types[messages.WRENCH](header(t_ns, frame), wrench), messages.WRENCH)
     assert messages.wrench_template(frame).encode(t_ns, np.array(values)) == bytes(expected)
+
+
+@given(NAMES, TIMES, st.integers(0, 2**31 - 1), st.floats(0, 1, width=32), st.data())
+def test_spheres_bytes(names, t_ns, lifetime_ns, alpha, data):
+    values = np.array(data.draw(st.lists(NUMBERS, min_size=3 * len(names), max_size=3 * len(names))))
+    ids = data.draw(st.lists(st.integers(-(2**31), 2**31 - 1), min_size=len(names), max_size=len(names)))
+    types = HUMBLE.types
+    vector = types["geometry_msgs/msg/Vector3"]
+    markers = [
+        types["visualization_msgs/msg/Marker"](
+            header(t_ns, "world"),
+            name,
+            number,
+            messages.SPHERE,
+            messages.ADD,
+            types["geometry_msgs/msg/Pose"](
+                types["geometry_msgs/msg/Point"](*row), types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
+            ),
+            vector(0.05, 0.05, 0.05),
+            types["std_msgs/msg/ColorRGBA"](1.0, 0.5, 0.0, alpha),
+            types["builtin_interfaces/msg/Duration"](lifetime_ns // 10**9, lifetime_ns % 10**9),
+            False,
+            [],
+            [],
+            "",
+            types["sensor_msgs/msg/CompressedImage"](header(0, ""), "", np.empty(0, np.uint8)),
+            [],
+            "",
+            "",
+            types["visualization_msgs/msg/MeshFile"]("", np.empty(0, np.uint8)),
+            False,
+        )
+        for name, number, row in zip(names, ids, values.reshape(-1, 3), strict=True)
+    ]
+    expected = HUMBLE.serialize_cdr(types[messages.MARKERS](markers), messages.MARKERS)
+    spheres = [messages.Sphere(name, k, 0.05, (1.0, 0.5, 0.0, alpha)) for name, k in zip(names, ids, strict=True)]
+    template = messages.spheres_template("world", spheres, lifetime_ns=lifetime_ns)
+    assert template.encode(t_ns, values) == bytes(expected)
 
 
 @given(st.text(st.characters(codec="utf-8", exclude_characters="\0")), TIMES)

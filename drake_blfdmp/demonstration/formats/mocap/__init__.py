@@ -1,0 +1,1 @@
+"""Motion capture: C3D, BVH, body-model fits."""

@@ -1,0 +1,1 @@
+"""Tables and other text: a row, or some rows, a sample."""

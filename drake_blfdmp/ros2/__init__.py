@@ -1,0 +1,5 @@
+"""ROS 2 messages without ROS: below everything that reads or writes them.
+
+messages   definitions and templates of the messages this package writes
+cdr        the bytes of a message
+"""
