@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drake_blfdmp.commands import run as command
 from drake_blfdmp.skeleton import POINTS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -159,15 +160,16 @@ def test_an_unknown_option_is_a_usage_error(tmp_path):
     assert "Traceback" not in done.stderr
 
 
-def test_short_options_are_settings(command_line):
-    options = command_line.parse(
+def test_short_options_are_settings():
+    options = command.parse(
         ["--recording", "it's.csv", "--frames", "3:9", "--joints", "left_wrist=Hand L", "right_wrist=a,b,c",
-         "--unit", "mm", "--seed", "4", "--set", "seed=5"]
+         "--unit", "mm", "--seed", "4", "--set", "seed=5"],
+        "",
     )  # fmt: skip
     from drake_blfdmp.planning.scenario import ApplySetting, Scenario
 
     scenario = Scenario()
-    for setting in command_line.settings(options):
+    for setting in command.settings(options):
         scenario = ApplySetting(scenario, setting)
     assert Path(scenario.recording.file) == Path("it's.csv").resolve()
     assert scenario.recording.frames == [3, 9]

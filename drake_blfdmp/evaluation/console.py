@@ -45,6 +45,30 @@ class ProgressBar:
         self._what = ""
 
 
+def report(summary: dict) -> str:
+    """What a run prints at its end, but for the folder's name."""
+    recording, plan = summary["recording"], summary["plan"]
+    kind = "synthetic" if recording["synthetic"] else "recorded"
+    repairs = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in recording["repairs"].items() if n)
+    held = recording["held_s"]
+    place = ", ".join(f"{value:.2f}" for value in plan["world_m"])
+    return "\n".join(
+        [
+            "",
+            f"{recording['source']} ({kind}), law {summary['law']}",
+            f"held from {held[0]:.2f} to {held[1]:.2f} s, box {plan['box_width_m']:.3f} m wide; "
+            f"repairs: {repairs or 'none'}",
+            f"retargeted at scale {plan['scale']:g}, shoulders to ({place}) m",
+            *(f"note: {note}" for note in plan["notes"]),
+            "",
+            table(summary),
+            "",
+            *(f"failed: {failure}" for failure in summary["failures"]),
+            "success" if summary["success"] else "no success",
+        ]
+    )
+
+
 def table(summary: dict) -> str:
     """The short table at the end of a run."""
     links, box, robot, timing = summary["links"], summary["box"], summary["robot"], summary["timing"]

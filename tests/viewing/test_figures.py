@@ -12,12 +12,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.errors import BlfDmpError, RecordingError
+from drake_blfdmp.demonstration.modelled_person import hold_and_place
+from drake_blfdmp.errors import BlfDmpError, RecordingError, SkillError
 from drake_blfdmp.skeleton import HANDS
+from drake_blfdmp.skill.learning import learn_skill
 from drake_blfdmp.viewing import style
-from drake_blfdmp.viewing.figures import FIGURES, write_figures
+from drake_blfdmp.viewing.figures import FIGURES, SPREAD, write_figures
 from drake_blfdmp.viewing.robot_figures import box_height_tilt, contact_forces, joint_angles, swivel, tilt_angle
-from drake_blfdmp.viewing.skill_figures import hands_distance, lengths, link_lengths, paths
+from drake_blfdmp.viewing.skill_figures import hands_distance, lengths, link_lengths, paths, spread
 
 
 def draw(figure):
@@ -30,6 +32,16 @@ def draw(figure):
 def line(axis, label):
     (found,) = [drawn for drawn in axis.get_lines() if drawn.get_label() == label]
     return np.asarray(found.get_xdata()), np.asarray(found.get_ydata())
+
+
+def several(run_log):
+    """A made-up spread that grows with time, (N, 6, 3), m."""
+    return (0.01 + 0.005 * run_log.t)[:, None, None] * np.array([0.2, 0.6, 1.0, 0.2, 0.6, 1.0])[:, None] * np.ones(3)
+
+
+def drawn(run_log):
+    """All figures that there can be."""
+    return {**FIGURES, SPREAD: lambda log: spread(log, several(run_log))}
 
 
 def test_writes_every_figure_readably_large_and_not_blank(run_log, tmp_path):
@@ -58,7 +70,7 @@ def test_figures_leave_pyplot_and_its_state_alone():
 
 
 def test_texts_of_a_figure_do_not_overlap(run_log):
-    for name, make in FIGURES.items():
+    for name, make in drawn(run_log).items():
         figure = make(run_log)
         renderer = draw(figure)
         boxes = [
@@ -77,7 +89,7 @@ def test_texts_of_a_figure_do_not_overlap(run_log):
 
 
 def test_legends_lie_outside_all_axes(run_log):
-    for name, make in FIGURES.items():
+    for name, make in drawn(run_log).items():
         figure = make(run_log)
         renderer = draw(figure)
         assert len(figure.legends) == 1, name
@@ -114,6 +126,38 @@ def test_paths_keep_one_scale_in_all_views(run_log):
         box = axis.get_window_extent()
         scales += [box.width / np.ptp(axis.get_xlim()), box.height / np.ptp(axis.get_ylim())]
     np.testing.assert_allclose(scales, scales[0], rtol=0.02)
+
+
+def test_spread_draws_every_points_mean_and_one_sigma_around_it(run_log):
+    sigma = several(run_log)
+    axes = np.reshape(spread(run_log, sigma).axes, (2, 3))
+    for arm in range(2):
+        for axis in range(3):
+            for k, kind in enumerate(("shoulder", "elbow", "wrist")):
+                mean, width = run_log.demonstrated[:, 3 * arm + k, axis], sigma[:, 3 * arm + k, axis]
+                np.testing.assert_allclose(line(axes[arm, axis], kind)[1], mean)
+                edges = axes[arm, axis].collections[k].get_paths()[0].vertices[:, 1]
+                assert edges.min() == pytest.approx((mean - width).min())
+                assert edges.max() == pytest.approx((mean + width).max())
+                low, high = axes[arm, axis].get_ylim()
+                assert low < edges.min() and edges.max() < high
+    assert axes[0, 2].get_ylim() == axes[1, 2].get_ylim() and axes[0, 1].get_ylim() == axes[1, 1].get_ylim()
+
+
+def test_a_folder_whose_skill_has_a_spread_gets_its_figure(run_log, tmp_path):
+    t, x = hold_and_place(rate_hz=10.0)
+    sigma = np.full((len(t), 6, 3), 0.02)
+    for name, kept in (("one", None), ("several", sigma)):
+        (tmp_path / name).mkdir()
+        learn_skill(t, x, spread=kept).save(tmp_path / name / "skill.json")
+    one, more = (write_figures(run_log, tmp_path / name) for name in ("one", "several"))
+    assert [path.stem for path in one] == list(FIGURES)
+    assert [path.stem for path in more] == [*FIGURES, SPREAD]
+    pixels = imread(more[-1])[..., :3]
+    assert pixels.shape[1] >= style.PAGE * 200 and 0.005 < np.mean(np.any(pixels < 0.9, axis=-1)) < 0.6
+    (tmp_path / "one" / "skill.json").write_text("{}")
+    with pytest.raises(SkillError, match="skill.json: is not a skill file"):
+        write_figures(run_log, tmp_path / "one")
 
 
 def test_joint_angles_always_show_both_limits(run_log):
