@@ -31,7 +31,7 @@ _TIMES = {
 
 @dataclass(frozen=True)
 class ModelledPerson:
-    """A standing person's measures, and where the box is taken from and put; metres and radians.
+    """A standing person's measures, and where and how slowly the box is taken and put; metres, radians, seconds.
 
     The frame's origin lies on the floor below the shoulders' midpoint: x to the person's right, y forward, z up.
 
@@ -50,6 +50,7 @@ class ModelledPerson:
         swivel: elbows outward from hanging straight below the shoulder-wrist line.
         swivel_rise: added to `swivel` at the top of the lift.
         sway: bound on the torso's displacement.
+        duration_s: length of the motion, s; all movements stretch with it.
 
     Raises:
         RecordingError: a measure is not finite or out of its range.
@@ -69,6 +70,7 @@ class ModelledPerson:
     swivel: float = 0.40
     swivel_rise: float = 0.25
     sway: float = 0.02
+    duration_s: float = DURATION_S
 
     def __post_init__(self):
         for field in fields(self):
@@ -80,6 +82,8 @@ class ModelledPerson:
         for name in ("lift", "sway"):
             if getattr(self, name) < 0:
                 raise RecordingError(f"ModelledPerson.{name} is {getattr(self, name)} m; give zero or more")
+        if self.duration_s <= 0:
+            raise RecordingError(f"ModelledPerson.duration_s is {self.duration_s} s; give a positive duration")
         if abs(self.yaw) > np.deg2rad(10.0) + 1e-9:
             raise RecordingError(f"ModelledPerson.yaw is {self.yaw:.3f} rad; keep it within 10 degrees (0.175 rad)")
 
@@ -91,14 +95,14 @@ def held_interval(duration_s: float = DURATION_S) -> tuple[float, float]:
 
 
 def hold_and_place(
-    person: ModelledPerson | None = None, rate_hz: float = 30.0, duration_s: float = DURATION_S
+    person: ModelledPerson | None = None, rate_hz: float = 30.0, duration_s: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The whole motion, from rest to rest: reach, squeeze, lift, carry, lower, release, retreat.
 
     Args:
         person: whose motion; the default person if None.
         rate_hz: samples a second.
-        duration_s: length; all movements stretch with it.
+        duration_s: length, s; the person's own if None.
 
     Returns:
         t: (N,) from 0, uniform, s.
@@ -108,6 +112,7 @@ def hold_and_place(
         RecordingError: a hand cannot reach with a bent elbow, or the rate or duration is not positive.
     """
     person = person or ModelledPerson()
+    duration_s = person.duration_s if duration_s is None else duration_s
     if not (0 < rate_hz < np.inf and 0 < duration_s < np.inf and rate_hz * duration_s >= 1):
         raise RecordingError(
             f"the modelled motion needs a positive rate and duration and two samples or more; got {rate_hz} Hz for "

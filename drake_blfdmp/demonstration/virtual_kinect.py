@@ -1,76 +1,25 @@
-"""A virtual Kinect: films an exact motion with errors of the size and kind measured on real Kinect v1 recordings.
+"""A virtual Kinect: films an exact motion with errors of the size and kind measured on real recordings.
 
 Most of a skeleton tracker's error is not white: the fitted skeleton slides slowly along the body, and further for the
 hands than for the elbows and shoulders. A filter therefore cannot remove it, which is why bone lengths have to be
 restored by the coupling. Around the slow part stand white noise, hands that a held box hides from the camera, short
-jumps while the tracker infers a hand, and frames that are lost or delivered twice.
+jumps while the tracker infers a hand, arms fitted in a wrong direction, a body that is fitted too large or too small,
+and frames that are lost, empty or delivered twice. How much of each a sensor has is in `sensors.py`.
 """
-
-from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
+from scipy.spatial.transform import Rotation
 from scipy.special import erf
 
 from drake_blfdmp.demonstration.demonstration import KnownDimensions, Recording
 from drake_blfdmp.demonstration.modelled_person import ModelledPerson, hold_and_place
+from drake_blfdmp.demonstration.sensors import VirtualKinect
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.skeleton import WRISTS
 
-WRISTS = (2, 5)
-
-
-@dataclass(frozen=True)
-class VirtualKinect:
-    """What the sensor does to the truth; standard deviations are per axis, in metres.
-
-    The defaults give the bones' standard deviations of Kinect v1 recordings of people who carry something (0.027 m for
-    the upper arm, 0.035 m for the forearm, UTKinect-Action3D) and wrists whose distance wobbles by some centimetres
-    while the box is held.
-
-    Attributes:
-        rate_hz: frames a second.
-        shoulder_drift_m: standard deviation of the shoulders' slow error, present from the first frame on.
-        elbow_drift_m: what an elbow adds to its shoulder's.
-        wrist_drift_m: what a wrist adds to its elbow's.
-        correlation_s: integral time scale of the slow errors.
-        shortening: fraction by which the fitted bones come out short.
-        white_m: standard deviation of the frame-to-frame noise.
-        occlusion_drift_m: standard deviation of both wrists' common further slow error while the box hides them.
-        occlusion_pull_m: how far a hidden wrist is pulled towards the box's middle.
-        jump_rate_hz: how often a wrist is inferred instead of seen (Poisson), each wrist.
-        jump_m: standard deviation of the offset while it is inferred.
-        jump_duration_s: mean length of such a spell (exponential).
-        drop_probability: of a frame to be missing from the file (never the first).
-        repeat_probability: of a frame to stand in the file twice, with the same time stamp.
-
-    Raises:
-        RecordingError: a number is out of its range.
-    """
-
-    rate_hz: float = 30.0
-    shoulder_drift_m: float = 0.010
-    elbow_drift_m: float = 0.025
-    wrist_drift_m: float = 0.025
-    correlation_s: float = 0.8
-    shortening: float = 0.09
-    white_m: float = 0.005
-    occlusion_drift_m: float = 0.022
-    occlusion_pull_m: float = 0.015
-    jump_rate_hz: float = 0.15
-    jump_m: float = 0.04
-    jump_duration_s: float = 0.10
-    drop_probability: float = 0.03
-    repeat_probability: float = 0.02
-
-    def __post_init__(self):
-        positive = ("rate_hz", "correlation_s")
-        for field in fields(self):
-            name, value = field.name, getattr(self, field.name)
-            if not np.isfinite(value) or value < 0 or (name in positive and value == 0):
-                wanted = "a positive number" if name in positive else "zero or a positive number"
-                raise RecordingError(f"VirtualKinect.{name} is {value}; give {wanted}")
-            if (name.endswith("probability") or name == "shortening") and value >= 1:
-                raise RecordingError(f"VirtualKinect.{name} is {value}; give a number below 1")
+_MISFIT = 0.3  # rad; an arm that is turned by more is one that the sensor guesses.
 
 
 def film(
@@ -89,7 +38,8 @@ def film(
             are never hidden.
 
     Returns:
-        The recording, in the truth's frame, marked synthetic.
+        The recording, in the truth's frame, marked synthetic, with the sensor's confidence in every point: 1 seen, 0.5
+        guessed, 0 (and NaN) while it finds no body.
 
     Raises:
         RecordingError: the truth is not finite, of another shape, too short or not in order; or the seed is negative.
@@ -109,15 +59,24 @@ def film(
         raise RecordingError(f"virtual Kinect: the seed is {seed}; give zero or a positive whole number")
     known = known or KnownDimensions()
     # A stream for each effect: changing one leaves the others' errors as they are.
-    drift, occlusion, jumps, white, delivery = np.random.default_rng(seed).spawn(5)
+    drift, occlusion, jumps, white, delivery, misfits, size, presence = np.random.default_rng(seed).spawn(8)
 
     clock = t[0] + np.arange(int(np.floor((t[-1] - t[0]) * sensor.rate_hz + 1e-6)) + 1) / sensor.rate_hz
     x = CubicSpline(t, x_truth)(clock)
     hidden = _hidden(x, known.box_width)
-    x = _shortened(x, sensor.shortening) + _joint_drift(sensor, drift, len(clock))
-    x[:, WRISTS] += _occlusion(sensor, occlusion, x[:, WRISTS], hidden) + _jumps(sensor, jumps, len(clock))
-    x += sensor.white_m * white.standard_normal(x.shape)
+    x = _shortened(x, sensor.shortening)
+    bones = _bones(x)
+    x, misfitted = _misfits(sensor, misfits, x)
+    x = x + _joint_drift(sensor, drift, len(clock))
+    offset, inferred = _jumps(sensor, jumps, len(clock))
+    x[:, WRISTS] += _occlusion(sensor, occlusion, x[:, WRISTS], hidden) + offset
+    x += sensor.white_m * np.tile(sensor.white_grading, 2)[:, None] * white.standard_normal(x.shape)
+    x = _sized(sensor, size, x, bones)
 
+    confidence = np.where(np.repeat(misfitted, 3, axis=1) & ([False, True, True] * 2), sensor.misfit_confidence, 1.0)
+    confidence[:, WRISTS] = np.where(inferred, np.minimum(confidence[:, WRISTS], 0.5), confidence[:, WRISTS])
+    absent = _absent(sensor, presence, len(clock))
+    x[absent], confidence[absent] = np.nan, 0.0
     frames = _delivered(sensor, delivery, len(clock))
     return Recording(
         t=clock[frames],
@@ -127,6 +86,8 @@ def film(
         frames=frames,
         synthetic=True,
         known=known,
+        confidence=confidence[frames],
+        up="z",
     )
 
 
@@ -137,7 +98,7 @@ def record_hold_and_place(
 
     Args:
         person: the default person if None.
-        sensor: the default sensor if None.
+        sensor: `VirtualKinect()` if None; `sensors.SENSORS` has those measured.
         seed: of all random numbers.
 
     Returns:
@@ -186,11 +147,72 @@ def slow_noise(
     return out.reshape(n, *shape)
 
 
+def rough_noise(
+    rng: np.random.Generator, n: int, shape: tuple[int, ...], time_step: float, correlation_s: float
+) -> np.ndarray:
+    """Stationary Gaussian noise of unit variance with covariance exp(-|dt| / correlation_s): Ornstein-Uhlenbeck.
+
+    Args and returns as of `slow_noise`.
+    """
+    kept = np.exp(-time_step / correlation_s)
+    kicks = rng.standard_normal((n, *shape))
+    kicks[1:] *= np.sqrt(-np.expm1(-2 * time_step / correlation_s))
+    return np.asarray(lfilter([1.0], [1.0, -kept], kicks, axis=0))
+
+
 def _joint_drift(sensor: VirtualKinect, rng: np.random.Generator, n: int) -> np.ndarray:
     """Slow errors (n, 6, 3), m; they add up along each arm, so a bone's own error is smaller than its far end's."""
     own = np.array([sensor.shoulder_drift_m, sensor.elbow_drift_m, sensor.wrist_drift_m])
-    noise = slow_noise(rng, n, (2, 3, 3), 1 / sensor.rate_hz, sensor.correlation_s)
-    return np.cumsum(own[:, None] * _bounded(noise), axis=2).reshape(n, 6, 3)
+    if sensor.rough:
+        noise = rough_noise(rng, n, (2, 3, 3), 1 / sensor.rate_hz, sensor.correlation_s)
+    else:
+        noise = _bounded(slow_noise(rng, n, (2, 3, 3), 1 / sensor.rate_hz, sensor.correlation_s))
+    return np.cumsum(own[:, None] * noise, axis=2).reshape(n, 6, 3)
+
+
+def _misfits(sensor: VirtualKinect, rng: np.random.Generator, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Arms fitted in a wrong direction for a while: (n, 6, 3), m, and (n, 2) bool, whether each arm is off by a lot.
+
+    The arm turns about its shoulder there and back (sine squared), so its bones stay as long as they are.
+    """
+    n, longest = len(x), 1.5 * sensor.misfit_duration_s
+    turn = np.zeros((n, 2, 3))
+    clock = np.arange(n) / sensor.rate_hz
+    span = longest + n / sensor.rate_hz  # A spell may have begun before the first frame.
+    for arm in range(2):
+        for start in rng.uniform(-longest, span - longest, rng.poisson(sensor.misfit_rate_hz * span)):
+            duration = sensor.misfit_duration_s * rng.uniform(0.5, 1.5)
+            axis = rng.standard_normal(3)
+            angle = sensor.misfit_angle * rng.standard_normal() / np.linalg.norm(axis)
+            done = np.clip((clock - start) / duration, 0.0, 1.0)
+            turn[:, arm] += angle * np.sin(np.pi * done[:, None]) ** 2 * axis
+    arms = x.reshape(n, 2, 3, 3).copy()
+    off = np.linalg.norm(turn, axis=-1) > 1e-9
+    if off.any():
+        shoulders = arms[off][:, :1]
+        rotation = Rotation.from_rotvec(turn[off]).as_matrix()
+        arms[off] = shoulders + np.einsum("aij,apj->api", rotation, arms[off] - shoulders)
+    return arms.reshape(n, 6, 3), np.linalg.norm(turn, axis=-1) > _MISFIT
+
+
+def _bones(x: np.ndarray) -> np.ndarray:
+    """(n, 2, 2) lengths of both arms' upper arm and forearm, m."""
+    return np.linalg.norm(np.diff(x.reshape(-1, 2, 3, 3), axis=2), axis=-1)
+
+
+def _sized(sensor: VirtualKinect, rng: np.random.Generator, x: np.ndarray, bones: np.ndarray) -> np.ndarray:
+    """The fitted body (n, 6, 3), m: bones (n, 2, 2), m, restored if it is rigid, and all of it larger or smaller."""
+    if not sensor.rigid and sensor.body_scale == 0:
+        return x
+    arms = x.reshape(-1, 2, 3, 3)
+    vectors = np.diff(arms, axis=2)
+    if sensor.rigid:
+        vectors = vectors * (bones / np.maximum(_bones(x), 1e-9))[..., None]
+    noise = slow_noise(rng, len(x), (1, 1, 1), 1 / sensor.rate_hz, sensor.correlation_s)
+    size = 1 + sensor.body_scale * noise
+    middle = arms[:, :, :1].mean(axis=1, keepdims=True)
+    shoulders = middle + size * (arms[:, :, :1] - middle)
+    return np.concatenate([shoulders, shoulders + np.cumsum(size * vectors, axis=2)], axis=2).reshape(-1, 6, 3)
 
 
 def _bounded(noise: np.ndarray) -> np.ndarray:
@@ -226,14 +248,23 @@ def _occlusion(sensor: VirtualKinect, rng: np.random.Generator, wrists: np.ndarr
     return hidden[:, None, None] * (sensor.occlusion_pull_m * inward + slide)
 
 
-def _jumps(sensor: VirtualKinect, rng: np.random.Generator, n: int) -> np.ndarray:
-    """Offsets of the inferred wrists (n, 2, 3), m: constant within a spell."""
-    offset = np.zeros((n, 2, 3))
+def _jumps(sensor: VirtualKinect, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets of inferred wrists (n, 2, 3), m, constant within a spell; and whether each is inferred, (n, 2) bool."""
+    offset, inferred = np.zeros((n, 2, 3)), np.zeros((n, 2), dtype=bool)
     for hand in range(2):
         for start in np.flatnonzero(rng.random(n) < -np.expm1(-sensor.jump_rate_hz / sensor.rate_hz)):
             length = 1 + int(rng.exponential(sensor.jump_duration_s) * sensor.rate_hz)
             offset[start : start + length, hand] = sensor.jump_m * rng.standard_normal(3)
-    return offset
+            inferred[start : start + length, hand] = True
+    return offset, inferred
+
+
+def _absent(sensor: VirtualKinect, rng: np.random.Generator, n: int) -> np.ndarray:
+    """(n,) bool: frames before the person is found and after it is lost; never so many that fewer than two are left."""
+    count = max(0, min(round(sensor.absent_share * n), n - 2))
+    before = int(rng.integers(count + 1))
+    index = np.arange(n)
+    return (index < before) | (index >= n - (count - before))
 
 
 def _delivered(sensor: VirtualKinect, rng: np.random.Generator, n: int) -> np.ndarray:

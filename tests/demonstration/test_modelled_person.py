@@ -114,6 +114,13 @@ def test_duration_stretches_the_motion():
     np.testing.assert_allclose(fast, slow, atol=1e-12)
 
 
+def test_the_duration_is_the_persons_unless_one_is_given():
+    t, x = hold_and_place(ModelledPerson(duration_s=16.0))
+    np.testing.assert_allclose(x[::2], hold_and_place()[1], atol=1e-12)
+    assert t[-1] == pytest.approx(16.0)
+    assert hold_and_place(ModelledPerson(duration_s=16.0), duration_s=4.0)[0][-1] == pytest.approx(4.0)
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     person=st.builds(
@@ -184,6 +191,7 @@ def test_minimum_jerk_ends():
         ({"yaw": 0.5}, "yaw"),
         ({"sway": np.nan}, "sway"),
         ({"forearm": np.inf}, "forearm"),
+        ({"duration_s": 0.0}, "duration_s"),
     ],
 )
 def test_bad_person_is_named(arguments, word):
