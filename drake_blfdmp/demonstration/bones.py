@@ -9,6 +9,9 @@ BONES = tuple(index for index in range(len(LINKS)) if index != HANDS)
 UPPER_ARMS = (0, 4)  # Indices into LINKS.
 FOREARMS = (1, 3)
 
+PLAUSIBLE_BONE = (0.1, 0.6)
+"""m, children to giants; a bone that is plausible in m is not in cm or mm."""
+
 _MAD_TO_SIGMA = 1.4826  # For a normal distribution.
 
 

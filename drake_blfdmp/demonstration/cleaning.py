@@ -1,36 +1,58 @@
-"""A recording in, a clean demonstration out; every repair is counted, what cannot be repaired is refused."""
+"""A recording in, a clean demonstration out; every repair is counted, every choice said, and the hopeless refused."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
-from drake_blfdmp.demonstration.bones import FOREARMS, UPPER_ARMS, link_lengths
+from drake_blfdmp.demonstration.bones import estimate_bone_lengths
 from drake_blfdmp.demonstration.demonstration import Demonstration, Recording
-from drake_blfdmp.demonstration.formats import FORMATS
-from drake_blfdmp.demonstration.jumps import find_jumps
-from drake_blfdmp.demonstration.upright import AXES, rotation_to_z_up, sidedness, up_axis
+from drake_blfdmp.demonstration.depth_lookup import describe_depths, is_depth_lookup, redo_depths
+from drake_blfdmp.demonstration.gaps import fill_and_resample, require_short_gaps, uniform_clock, whole_ends
+from drake_blfdmp.demonstration.jumps import describe_jumps, find_jumps, speed_jumps
+from drake_blfdmp.demonstration.repeats import in_order, without_repeats
+from drake_blfdmp.demonstration.screening import (
+    checked_arrays,
+    require_frames,
+    require_metres,
+    require_motion,
+    require_points,
+    require_running_clock,
+    require_sides,
+)
+from drake_blfdmp.demonstration.skeleton_fit import restore_lengths, scale_bones
+from drake_blfdmp.demonstration.smoothing_choice import METHODS, apply_smoothing, choose_smoothing, describe_smoothing
+from drake_blfdmp.demonstration.swaps import describe_swaps, swap_back
+from drake_blfdmp.demonstration.uncertainty import SensorError, estimate_error
+from drake_blfdmp.demonstration.upright import AXES, rotation_to_z_up, up_axis
 from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.skeleton import POINTS
 
-MIN_FRAMES = 10
-MIN_DURATION_S = 1.0
-MIN_RATE_HZ = 4.0
-PLAUSIBLE_BONE = (0.1, 0.6)  # m, children to giants.
-_LONGEST_REPEAT = 3  # Frames; a longer run of equal skeletons is a synthetic person at rest.
-_SWAPPED = -0.08  # m of `sidedness`; real recordings measure -0.07 (half of it Kinect confusion) to 0.41.
+__all__ = ["CleaningOptions", "clean"]
+
+_MOVED_M = 1e-3  # How far a restored point is moved to be counted.
 
 
 @dataclass(frozen=True)
 class CleaningOptions:
-    """How to clean.
+    """How to clean: limits, and which of the steps are taken.
 
     Attributes:
-        max_gap_s: the longest time without a point that is filled, s.
+        max_gap_s: the longest time without a point that is filled, s; longer ones are refused.
         up: the file's axis that points up, one of x, -x, y, -y, z, -z; None finds it.
         rate_hz: the demonstration's clock; None takes the median rate, times a whole number where it is below 30 Hz.
         speed_limit: m/s above which a point may have jumped.
         interpolation: "pchip" or "linear".
+        sort_frames: puts frames in the order of time; else a late one is refused.
+        drop_repeats: leaves out equal skeletons that follow each other; of two at one time one goes in any case.
+        least_confidence: points of which the sensor says less are missing: 0 none, 0.25 those it did not see, 0.75
+            also those it guessed.
+        undo_swaps: gives points that stand under each other's names their own.
+        redo_depths: moves elbows and wrists along the camera's rays where a depth image hid them; None does so where
+            the recording looks like a depth image's (`depth_lookup.is_depth_lookup`).
+        remove_jumps: replaces points that jump or make a bone impossible.
+        smoothing: None; "auto", method and bandwidth by the data; or one of "butterworth", "spline", "wiener".
+        restore_bones: gives the arms' bones their lengths: those known beforehand, or else the estimated ones.
+        restore_hold: gives the hands the box's width while they hold it; only with restore_bones.
     """
 
     max_gap_s: float = 1.5
@@ -38,203 +60,219 @@ class CleaningOptions:
     rate_hz: float | None = None
     speed_limit: float = 5.0
     interpolation: str = "pchip"
+    sort_frames: bool = True
+    drop_repeats: bool = True
+    least_confidence: float = 0.25
+    undo_swaps: bool = True
+    redo_depths: bool | None = None
+    remove_jumps: bool = True
+    smoothing: str | None = None
+    restore_bones: bool = False
+    restore_hold: bool = False
+
+
+@dataclass
+class _Work:
+    """What the steps hand on: t (N,) s, x (N, 6, 3) m, frames (N,), good (N, 6) bool, and the log of the repairs."""
+
+    t: np.ndarray
+    x: np.ndarray
+    frames: np.ndarray
+    good: np.ndarray
+    repairs: dict[str, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def keep(self, rows: np.ndarray | slice) -> None:
+        self.t, self.x, self.frames, self.good = self.t[rows], self.x[rows], self.frames[rows], self.good[rows]
 
 
 def clean(recording: Recording, options: CleaningOptions = CleaningOptions()) -> Demonstration:
     """Repairs a recording and puts it upright on a uniform clock.
 
     Returns:
-        The demonstration, z up, not smoothed. `repairs` counts frames (repeated_frames, out_of_order_frames,
-        trimmed_frames, resampled_frames) and points of frames (missing_samples_filled, jumps_removed).
+        The demonstration, z up, not smoothed unless asked for. `repairs` counts frames (out_of_order_frames,
+        repeated_frames, empty_frames, trimmed_frames, resampled_frames) and points of frames (low_confidence_removed,
+        swaps_undone, depths_redone, jumps_removed, missing_samples_filled, points_smoothed, points_restored); `notes`
+        says in sentences what was found and chosen.
 
     Raises:
         RecordingError: too short, too slow, gaps too long, not in metres, left and right swapped, or nothing moves.
     """
     where = recording.source
     _check_options(where, options)
-    t, x, frames = np.asarray(recording.t, float), np.asarray(recording.x, float), np.asarray(recording.frames)
-    _require_frames(where, len(t))
-    _require_points(where, x)
-    if np.ptp(t) <= 0.0:
-        raise RecordingError(f"{where}: every sample has the time {t[0]:g} s; record with a running clock")
-
-    x = np.where(np.any(x != 0.0, axis=-1, keepdims=True), x, np.nan)  # How a Kinect writes a joint it does not see.
-    repairs: dict[str, int] = {}
-    order, repairs["out_of_order_frames"] = _in_order(where, t, frames)
-    t, x, frames = t[order], x[order], frames[order]
-    keep = _without_repeats(t, x)
-    repairs["repeated_frames"] = int(len(t) - keep.sum())
-    t, x, frames = t[keep], x[keep], frames[keep]
-    _require_frames(where, len(t))
-
-    _require_metres(where, x)
-    missing = np.asarray(np.isnan(x).any(axis=-1))
-    jumps = find_jumps(t, x, options.speed_limit) & ~missing
-    repairs["jumps_removed"] = int(jumps.sum())
-    good = ~missing & ~jumps
-    first, last = _whole_ends(where, good)
-    repairs["trimmed_frames"] = int(len(t) - (last - first + 1))
-    kept = slice(first, last + 1)
-    t, x, frames, missing, good = t[kept], x[kept], frames[kept], missing[kept], good[kept]
-    _require_frames(where, len(t))
-    if t[-1] - t[0] < MIN_DURATION_S - 1e-9:
-        raise RecordingError(
-            f"{where}: lasts {t[-1] - t[0]:.2f} s, a skill needs at least {MIN_DURATION_S:g} s; record the whole motion"
-        )
-    rate = 1.0 / float(np.median(np.diff(t)))
-    most = max(rate, (len(t) - 1) / float(t[-1] - t[0]))  # The mean: sensors that skip frames come in bursts.
-    if most < MIN_RATE_HZ:
-        raise RecordingError(
-            f"{where}: {most:.2g} samples a second, at least {MIN_RATE_HZ:g} are needed; check the clock"
-        )
-    _require_short_gaps(where, t, frames, good, options.max_gap_s)
-    repairs["missing_samples_filled"] = int(missing.sum())
-
-    clock, x, repairs["resampled_frames"] = _resample(t, x, good, rate, options)
-    if np.ptp(x, axis=0).max() < 0.01:
-        raise RecordingError(f"{where}: nobody moves (all points within 1 cm); record a motion")
-    x = x @ _rotation(where, recording, x, options).T
-    side, share = sidedness(x)
-    if side < _SWAPPED and share > 0.6:
-        raise RecordingError(
-            f"{where}: the hands are {-side:.2f} m behind the shoulders, left and right are swapped; "
-            "swap them with --joints"
-        )
-    return Demonstration(
-        t=clock - clock[0], x=x, source=where, synthetic=recording.synthetic, repairs=repairs, known=recording.known
+    work = _read(recording, options)
+    _order(where, work, options)
+    _repair_points(recording, work, options)
+    _trim(where, work)
+    clock = _resample(where, work, options)
+    require_motion(where, work.x)
+    up = _up(where, recording, work, options)
+    x = work.x @ rotation_to_z_up(up).T
+    require_sides(where, x)
+    error = estimate_error(x, recording.known)
+    demonstration = Demonstration(
+        t=clock - clock[0],
+        x=x,
+        source=where,
+        synthetic=recording.synthetic,
+        known=recording.known,
+        uncertainty=error.per_point,
     )
+    x = _refine(demonstration, error, work, options)
+    return replace(demonstration, x=x, repairs=work.repairs, notes=tuple(work.notes))
 
 
 def _check_options(where: str, options: CleaningOptions) -> None:
-    if options.up is not None and options.up not in AXES:
-        raise RecordingError(f"{where}: up is '{options.up}'; give one of {', '.join(AXES)}")
     if options.interpolation not in ("pchip", "linear"):
         raise RecordingError(f"{where}: interpolation is '{options.interpolation}'; give pchip or linear")
+    for name, choices in (("up", AXES), ("smoothing", ("auto", *METHODS))):
+        value = getattr(options, name)
+        if value is not None and value not in choices:
+            raise RecordingError(f"{where}: {name} is '{value}'; give one of {', '.join(choices)}")
     for name in ("max_gap_s", "speed_limit", "rate_hz"):
         value = getattr(options, name)
         if value is not None and not 0.0 < value < np.inf:
             raise RecordingError(f"{where}: {name} is {value}; give a positive number")
+    if not 0.0 <= options.least_confidence <= 1.0:
+        raise RecordingError(f"{where}: least_confidence is {options.least_confidence}; give a number from 0 to 1")
+    if options.restore_hold and not options.restore_bones:
+        raise RecordingError(f"{where}: restore_hold works on restored bones; set restore_bones too")
 
 
-def _require_frames(where: str, count: int) -> None:
-    if count < MIN_FRAMES:
-        raise RecordingError(
-            f"{where}: a {count}-frame recording, a skill needs at least {MIN_FRAMES} different frames; "
-            "record the whole motion"
-        )
-
-
-def _require_points(where: str, x: np.ndarray) -> None:
-    for index, point in enumerate(POINTS):
-        if not np.isfinite(x[:, index]).all(axis=-1).any():
-            raise RecordingError(f"{where}: {point} is missing in every frame; map it to another joint with --joints")
-
-
-def _require_metres(where: str, x: np.ndarray) -> None:
-    lengths = link_lengths(x)
-    for name, pair in (("upper arm", UPPER_ARMS), ("forearm", FOREARMS)):
-        both = lengths[:, pair]
-        if not np.isfinite(both).any():
-            raise RecordingError(f"{where}: no frame shows both ends of an {name}; map the joints with --joints")
-        measured = float(np.nanmedian(both))
-        if PLAUSIBLE_BONE[0] <= measured <= PLAUSIBLE_BONE[1]:
-            continue
-        scale = {"mm": 1e-3, "cm": 1e-2, "m": 1e3}  # Read in metres; or, for "m", metres read as millimetres.
-        unit = next((u for u, s in scale.items() if PLAUSIBLE_BONE[0] <= measured * s <= PLAUSIBLE_BONE[1]), None)
-        what = f"try --unit {unit}" if unit else "check --unit and --joints"
-        raise RecordingError(
-            f"{where}: the {name} measures {measured:.3g} m, "
-            f"expected {PLAUSIBLE_BONE[0]:g} to {PLAUSIBLE_BONE[1]:g} m; {what}"
-        )
-
-
-def _in_order(where: str, t: np.ndarray, frames: np.ndarray) -> tuple[np.ndarray, int]:
-    """The order that makes t run forward, and how many frames came late."""
-    late = np.less(t, np.maximum.accumulate(t))
-    if late.mean() > 0.2:
-        raise RecordingError(
-            f"{where}: time runs backwards at frame {frames[int(np.argmax(late))]} and does not recover; "
-            "cut one take with --frames"
-        )
-    return np.argsort(t, kind="stable"), int(late.sum())
-
-
-def _without_repeats(t: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """(N,) bool: of samples with one time the one nearest to the last kept, of a short run of equal ones the first."""
-    keep = np.zeros(len(t), dtype=bool)
-    flat = x.reshape(len(x), -1)
-    previous = None
-    for group in np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > 0.0) + 1):
-        best = group[0]
-        if len(group) > 1:
-            missing = np.isnan(flat[group]).sum(axis=1)
-            distance = np.zeros(len(group))
-            if previous is not None:
-                distance = np.nan_to_num(np.abs(flat[group] - flat[previous])).sum(axis=1)
-            best = group[np.lexsort((distance, missing))[0]]
-        keep[best] = True
-        previous = best
-    kept = np.flatnonzero(keep)
-    flat = flat[kept]
-    equal = np.logical_or(flat[1:] == flat[:-1], np.isnan(flat[1:]) & np.isnan(flat[:-1])).all(axis=1)
-    same = np.r_[False, equal & np.isfinite(flat[1:]).any(axis=1)]
-    for run in np.split(kept, np.flatnonzero(~same)[1:]):
-        if len(run) <= _LONGEST_REPEAT:
-            keep[run[1:]] = False
-    return keep
-
-
-def _whole_ends(where: str, good: np.ndarray) -> tuple[int, int]:
-    """First and last frame with all six points; outside them there is nothing to interpolate to."""
-    whole = np.flatnonzero(good.all(axis=1))
-    if len(whole) == 0:
-        worst = POINTS[int(np.argmin(good.mean(axis=0)))]
-        raise RecordingError(f"{where}: no frame has all six points, {worst} is seen least; map it with --joints")
-    return int(whole[0]), int(whole[-1])
-
-
-def _require_short_gaps(where: str, t: np.ndarray, frames: np.ndarray, good: np.ndarray, max_gap_s: float) -> None:
-    for index, point in enumerate(POINTS):
-        seen = np.flatnonzero(good[:, index])
-        gaps = np.diff(t[seen])
-        worst = int(np.argmax(gaps))
-        if gaps[worst] > max_gap_s:
-            before, after = frames[seen[worst]], frames[seen[worst + 1]]
+def _read(recording: Recording, options: CleaningOptions) -> _Work:
+    """The recording's arrays; a point is NaN where it was not seen, or the sensor says so."""
+    where = recording.source
+    t, x, frames = checked_arrays(recording)
+    x = np.where(np.any(x != 0.0, axis=-1, keepdims=True), x, np.nan)  # How a Kinect writes a joint it does not see.
+    work = _Work(t, x, frames, np.ones(x.shape[:2], dtype=bool))
+    seen = np.isfinite(x).all(axis=-1)
+    doubted = np.zeros_like(seen)
+    if recording.confidence is not None:
+        confidence = np.asarray(recording.confidence, float)
+        if confidence.shape != seen.shape:
             raise RecordingError(
-                f"{where}: {point} is missing between frames {before} and {after} ({gaps[worst]:.2f} s, at most "
-                f"{max_gap_s:g} s are filled); cut the recording with --frames"
+                f"{where}: confidence is {confidence.shape}, points are {seen.shape}; give one a point"
             )
+        doubted = seen & ~(confidence >= options.least_confidence) if options.least_confidence > 0.0 else doubted
+    work.repairs["low_confidence_removed"] = int(doubted.sum())
+    work.x = np.where(doubted[..., None], np.nan, x)
+    require_points(where, work.x)
+    if np.ptp(t) <= 0.0:
+        raise RecordingError(f"{where}: every sample has the time {t[0]:g} s; record with a running clock")
+    return work
 
 
-def _resample(
-    t: np.ndarray, x: np.ndarray, good: np.ndarray, rate: float, options: CleaningOptions
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """Fills the gaps and moves to a uniform clock; also counts the instants at which nothing was recorded."""
-    target = options.rate_hz or rate * max(1.0, np.ceil(30.0 / rate - 0.1))
-    span = t[-1] - t[0]
-    whole = np.round(span * target) / span  # Rounded time stamps (0.008333) drift against their own median step.
-    if options.rate_hz is None and abs(whole / target - 1.0) < 0.005:
-        target = whole
-    clock = t[0] + np.arange(int(np.floor(span * target + 1e-3)) + 1) / target
-    clock[-1] = min(clock[-1], t[-1])
-    nearest = np.clip(np.searchsorted(t, clock), 1, len(t) - 1)
-    nearest -= clock - t[nearest - 1] < t[nearest] - clock
-    on_sample = np.abs(clock - t[nearest]) < 0.01 / target
-    out = np.empty((len(clock), len(POINTS), 3))
-    for index in range(len(POINTS)):
-        seen = good[:, index]
-        if options.interpolation == "linear":
-            out[:, index] = np.stack([np.interp(clock, t[seen], x[seen, index, axis]) for axis in range(3)], axis=-1)
-        else:
-            out[:, index] = PchipInterpolator(t[seen], x[seen, index])(clock)
-        exact = on_sample & seen[nearest]
-        out[exact, index] = x[nearest[exact], index]
-    return clock, out, int((~on_sample).sum())
+def _order(where: str, work: _Work, options: CleaningOptions) -> None:
+    """One skeleton for each time, in the order of time."""
+    order, late = in_order(where, work.t, work.frames)
+    if late and not options.sort_frames:
+        row = int(np.argmax(np.less(work.t, np.maximum.accumulate(work.t))))
+        raise RecordingError(f"{where}: frame {work.frames[row]} comes late; sort the frames, or allow sort_frames")
+    work.repairs["out_of_order_frames"] = late
+    work.keep(order)
+    keep = without_repeats(work.t, work.x, equal_too=options.drop_repeats)
+    work.repairs["repeated_frames"] = int(len(keep) - keep.sum())
+    work.keep(keep)
+    require_frames(where, len(work.t))
 
 
-def _rotation(where: str, recording: Recording, x: np.ndarray, options: CleaningOptions) -> np.ndarray:
-    reader = FORMATS.get(recording.format)
-    up = options.up or up_axis(x, reader.up if reader else None)
+def _repair_points(recording: Recording, work: _Work, options: CleaningOptions) -> None:
+    """Swaps, depths and jumps; `good` says which points are left to be used."""
+    where, t = recording.source, work.t
+    moved = np.zeros(work.good.shape, dtype=bool)
+    if options.undo_swaps:
+        work.x, moved = swap_back(t, work.x, options.speed_limit)
+    work.repairs["swaps_undone"] = int(moved.sum())
+    if moved.any():
+        work.notes.append(describe_swaps(moved, work.frames))
+    missing = np.isnan(work.x).any(axis=-1)
+    work.repairs["empty_frames"] = int(missing.all(axis=1).sum())
+    jumps, moved = np.zeros(missing.shape, dtype=bool), np.zeros(missing.shape, dtype=bool)
+    if _has_looked_up_depths(recording, work, options):
+        if options.remove_jumps:  # First: a point that leaves its ray for a moment tells nothing of depths.
+            jumps = np.stack([speed_jumps(t, work.x[:, i], options.speed_limit) for i in range(len(POINTS))], axis=-1)
+        points = np.where(jumps[..., None], np.nan, work.x)
+        points, moved = redo_depths(t, points, recording.known.upper_arm, recording.known.forearm)
+        work.x = np.where(moved[..., None], points, work.x)
+        work.notes.append(describe_depths(moved))
+    work.repairs["depths_redone"] = int(moved.sum())
+    require_metres(where, work.x)
+    if options.remove_jumps:
+        jumps = (jumps | find_jumps(t, work.x, options.speed_limit)) & ~missing
+    work.repairs["jumps_removed"] = int(jumps.sum())
+    if jumps.any():
+        work.notes.append(describe_jumps(jumps, work.frames))
+    work.good = ~missing & ~jumps
+
+
+def _has_looked_up_depths(recording: Recording, work: _Work, options: CleaningOptions) -> bool:
+    if options.redo_depths is not None:
+        return options.redo_depths
+    return is_depth_lookup(np.asarray(recording.x, float), options.up or _found_up(work.x, recording))
+
+
+def _trim(where: str, work: _Work) -> None:
+    """From the first to the last frame with all points."""
+    count = len(work.t)
+    first, last = whole_ends(where, work.good)
+    work.keep(slice(first, last + 1))
+    work.repairs["trimmed_frames"] = count - len(work.t)
+    if work.repairs["trimmed_frames"]:
+        work.notes.append(f"ends without all points trimmed: frames {work.frames[0]} to {work.frames[-1]} are left")
+    require_frames(where, len(work.t))
+
+
+def _resample(where: str, work: _Work, options: CleaningOptions) -> np.ndarray:
+    """Fills the gaps; returns the uniform clock."""
+    require_running_clock(where, work.t, work.frames)
+    require_short_gaps(where, work.t, work.frames, work.good, options.max_gap_s)
+    work.repairs["missing_samples_filled"] = int(np.isnan(work.x).any(axis=-1).sum())
+    clock, rate = uniform_clock(where, work.t, options.rate_hz)
+    work.x, work.repairs["resampled_frames"] = fill_and_resample(
+        work.t, work.x, work.good, clock, rate, options.interpolation
+    )
+    return clock
+
+
+def _found_up(x: np.ndarray, recording: Recording) -> str | None:
+    if recording.up is not None and recording.up not in AXES:
+        raise RecordingError(
+            f"{recording.source}: the file's up axis is '{recording.up}'; give one of {', '.join(AXES)}"
+        )
+    whole = x[np.isfinite(x).all(axis=(1, 2))]
+    return up_axis(whole, recording.up) if len(whole) else recording.up
+
+
+def _up(where: str, recording: Recording, work: _Work, options: CleaningOptions) -> str:
+    up = options.up or _found_up(work.x, recording)
     if up is None:
         raise RecordingError(f"{where}: the arms do not tell which axis points up; say so with up ({', '.join(AXES)})")
-    return rotation_to_z_up(up)
+    source = "as set" if options.up else "as the file says" if up == recording.up else "as the arms hang"
+    work.notes.insert(0, f"up: the file's {up} axis, {source}")
+    return up
+
+
+def _refine(demonstration: Demonstration, error: SensorError, work: _Work, options: CleaningOptions) -> np.ndarray:
+    """The steps that change every point a little: smoothing, and the lengths that are known to be constant."""
+    x = demonstration.x
+    millimetres = ", ".join(f"{name} {1e3 * s:.1f}" for name, s in zip(POINTS, error.per_point, strict=True))
+    work.notes.append(f"uncertainty per axis, mm: {millimetres}")
+    work.repairs["points_smoothed"] = work.repairs["points_restored"] = 0
+    bones = measured = estimate_bone_lengths(x)
+    if options.restore_bones:
+        known = demonstration.known
+        bones = (known.upper_arm or measured[0], known.forearm or measured[1])
+        x = scale_bones(x, measured, bones)
+    if options.smoothing is not None:
+        methods = METHODS if options.smoothing == "auto" else (options.smoothing,)
+        chosen = choose_smoothing(x, demonstration.rate_hz, error, methods)
+        smoothed = apply_smoothing(demonstration.t, x, chosen)
+        work.repairs["points_smoothed"] = int(np.any(smoothed != x, axis=-1).sum())
+        work.notes.append(describe_smoothing(chosen, error))
+        x = smoothed
+    if options.restore_bones:
+        before = demonstration.x if options.smoothing is None else x
+        x, said = restore_lengths(demonstration, x, bones, error, hold=options.restore_hold)
+        work.repairs["points_restored"] = int((np.linalg.norm(x - before, axis=-1) > _MOVED_M).sum())
+        work.notes.append(said)
+    return x

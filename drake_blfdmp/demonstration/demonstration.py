@@ -55,7 +55,7 @@ class Demonstration:
         synthetic: True when no person was recorded.
         repairs: what cleaning did, name of the repair -> number of samples (0 when not needed).
         known: dimensions known beforehand.
-        uncertainty: (6,) standard deviation of each point's error before smoothing, m, as estimated from the
+        uncertainty: (6,) standard deviation per axis of each point's error before smoothing, m, as estimated from the
             recording itself; None where it was not.
         notes: sentences on what cleaning found and chose: axes, jumps, smoothing.
     """

@@ -4,13 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_blfdmp.demonstration.bones import FOREARMS, UPPER_ARMS, link_lengths
+from drake_blfdmp.demonstration.bones import FOREARMS, PLAUSIBLE_BONE, UPPER_ARMS, link_lengths
 from drake_blfdmp.errors import RecordingError
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 """Metres per unit of length."""
 
-PLAUSIBLE_BONE = (0.1, 0.6)  # m, children to giants; read in another unit, no plausible bone is plausible.
 _LEAST_RUN = 3  # Frames in another unit that are no jump of the sensor any more.
 
 

@@ -1,7 +1,8 @@
 """The task's clock: the recorded motion played with rests where the box is grasped and released.
 
 Hands that close around a box must not carry it along before they hold it. So the clock slows smoothly to a stop at the
-grasp and at the release, and the motion starts and ends at rest, which is what a movement primitive expects.
+grasp and at the release, and the motion starts and ends at rest, which is what a movement primitive expects. A motion
+without a box is played in one go, from rest to rest.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,9 @@ from drake_blfdmp.demonstration.demonstration import Demonstration
 from drake_blfdmp.demonstration.holding import Holding
 from drake_blfdmp.demonstration.smoothing import smooth
 from drake_blfdmp.errors import ScenarioError
+
+LONGEST_MOTION_S = 120.0
+"""s; of a motion without a box no more is played at once."""
 
 
 @dataclass
@@ -44,7 +48,8 @@ class TaskMotion:
         t: (N,) s, uniform from 0.
         x: (N, 6, 3) m.
         recorded: (N,) time in the recording that is shown at t, s.
-        events: grasp and release: the beginnings of the two dwells, s; grasp_end and release_end: their ends.
+        events: grasp and release: the beginnings of the two dwells, s; grasp_end and release_end: their ends. Without a
+            box start and end of the movement alone.
     """
 
     t: np.ndarray
@@ -84,12 +89,7 @@ def task_motion(
     Raises:
         ScenarioError: a duration or the speed is not positive, or the box is held too briefly.
     """
-    for name in ("dwell_s", "ramp_s", "speed"):
-        if not getattr(timing, name) > 0:
-            raise ScenarioError(f"timing.{name} must be positive, not {getattr(timing, name)}")
-    for name in ("approach_s", "retreat_s", "rest_s"):
-        if getattr(timing, name) < 0:
-            raise ScenarioError(f"timing.{name} must not be negative, not {getattr(timing, name)}")
+    _check(timing)
     start, end = holding.start_s, holding.end_s
     if end - start < 0.3:
         raise ScenarioError(f"the box is held for {end - start:.2f} s only; give a longer held interval")
@@ -99,8 +99,73 @@ def task_motion(
         end,
         min(demonstration.t[-1], end + timing.retreat_s),
     ]
-    pieces = [b - a for a, b in pairwise(stops)]
     rests = [timing.rest_s, timing.dwell_s, timing.dwell_s, timing.rest_s]
+    t, x, recorded, durations = _play(demonstration, stops, rests, timing, cutoff_hz, rate_hz)
+    grasp = rests[0] + durations[0]
+    release = grasp + timing.dwell_s + durations[1]
+    return TaskMotion(
+        t=t,
+        x=x,
+        recorded=recorded,
+        events={
+            "grasp": grasp,
+            "grasp_end": grasp + timing.dwell_s,
+            "release": release,
+            "release_end": release + timing.dwell_s,
+        },
+    )
+
+
+def free_motion(
+    demonstration: Demonstration,
+    start_s: float,
+    end_s: float,
+    timing: Timing,
+    cutoff_hz: float = 1.2,
+    rate_hz: float = 100.0,
+) -> TaskMotion:
+    """Smooth the demonstration and play it from `start_s` to `end_s`, s, in one go, from rest to rest: no box.
+
+    Raises:
+        ScenarioError: a duration or the speed is not positive, or the interval is too short or too long.
+    """
+    _check(timing)
+    if not 0.3 <= end_s - start_s <= LONGEST_MOTION_S:
+        raise ScenarioError(
+            f"motion: {end_s - start_s:.1f} s would be played, but it must be 0.3 to {LONGEST_MOTION_S:.0f} s; choose "
+            "an interval of the recording with task.held=[begin, end]"
+        )
+    rests = [timing.rest_s, timing.rest_s]
+    t, x, recorded, durations = _play(demonstration, [start_s, end_s], rests, timing, cutoff_hz, rate_hz)
+    return TaskMotion(t=t, x=x, recorded=recorded, events={"start": rests[0], "end": rests[0] + durations[0]})
+
+
+def _check(timing: Timing) -> None:
+    for name in ("dwell_s", "ramp_s", "speed"):
+        if not getattr(timing, name) > 0:
+            raise ScenarioError(f"timing.{name} must be positive, not {getattr(timing, name)}")
+    for name in ("approach_s", "retreat_s", "rest_s"):
+        if getattr(timing, name) < 0:
+            raise ScenarioError(f"timing.{name} must not be negative, not {getattr(timing, name)}")
+
+
+def _play(
+    demonstration: Demonstration,
+    stops: list[float],
+    rests: list[float],
+    timing: Timing,
+    cutoff_hz: float,
+    rate_hz: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[float]]:
+    """The smoothed recording from one stop to the next, with a rest at each stop.
+
+    Args:
+        stops: n recorded times, s; rests: n durations, s.
+
+    Returns:
+        t (N,), x (N, 6, 3) and recorded (N,) of the motion, and how long each of the n - 1 pieces takes, s.
+    """
+    pieces = [b - a for a, b in pairwise(stops)]
     durations = [rest_to_rest(0.0, piece / timing.speed, timing.ramp_s)[1] for piece in pieces]
     total = sum(rests) + sum(durations)
     t = np.arange(round(total * rate_hz) + 1) / rate_hz
@@ -111,16 +176,5 @@ def task_motion(
         clock += duration + rest
     smoothed = smooth(demonstration.t, demonstration.x, cutoff_hz)
     spline = make_interp_spline(demonstration.t, smoothed.reshape(len(smoothed), 18), k=5)
-    grasp = rests[0] + durations[0]
-    release = grasp + timing.dwell_s + durations[1]
-    return TaskMotion(
-        t=t,
-        x=spline(np.clip(recorded, demonstration.t[0], demonstration.t[-1])).reshape(len(t), 6, 3),
-        recorded=recorded,
-        events={
-            "grasp": grasp,
-            "grasp_end": grasp + timing.dwell_s,
-            "release": release,
-            "release_end": release + timing.dwell_s,
-        },
-    )
+    x = spline(np.clip(recorded, demonstration.t[0], demonstration.t[-1])).reshape(len(t), 6, 3)
+    return t, x, recorded, durations

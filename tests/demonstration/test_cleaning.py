@@ -1,12 +1,16 @@
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from synthetic_carry import carry, recording
 
 from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
 from drake_blfdmp.demonstration.demonstration import KnownDimensions, Recording
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.skeleton import POINTS
 
 T, X = carry()
 DEFAULT = CleaningOptions()
@@ -45,6 +49,7 @@ def test_known_dimensions_and_origin_are_handed_on():
     jumps=st.lists(st.tuples(st.integers(3, 176), st.integers(0, 5)), max_size=6, unique_by=lambda jump: jump[0]),
     seed=st.integers(0, 1000),
 )
+@example(gaps=[(87, 8, 4)], jumps=[(3, 0), (4, 0), (95, 4)], seed=900)
 def test_injected_gaps_and_jumps_are_repaired(gaps, jumps, seed):
     rng = np.random.default_rng(seed)
     x = X.copy()
@@ -182,3 +187,166 @@ def test_half_a_recording_without_left_or_right_confusion_passes_swapped_half_fa
     clean(recording(T, x), CleaningOptions(speed_limit=1000.0))
     x[:160] = X[:160, [3, 4, 5, 0, 1, 2]]
     check_refused("swapped", T, x, CleaningOptions(speed_limit=1000.0))
+
+
+def test_swapped_markers_are_swapped_back():
+    x = X.copy()
+    x[60:70, [2, 5]] = x[60:70, [5, 2]]
+    demonstration = clean(recording(T, x))
+    np.testing.assert_array_equal(demonstration.x, X)
+    assert demonstration.repairs["swaps_undone"] == 20
+    assert demonstration.repairs["jumps_removed"] == 0
+    assert any("left_wrist, right_wrist stood under each other's names in 10 frames" in n for n in demonstration.notes)
+    assert clean(recording(T, x), CleaningOptions(undo_swaps=False)).repairs["jumps_removed"] >= 20
+
+
+def test_confidence_decides_what_is_seen():
+    x, confidence = X.copy(), np.ones((len(T), 6))
+    x[50:60, 1] += 0.02
+    x[90:96, 5] += 0.02
+    confidence[50:60, 1], confidence[90:96, 5] = 0.5, 0.0
+    doubted = replace(recording(T, x), confidence=confidence)
+    counts = []
+    for least, wrong in ((0.0, [1, 5]), (0.25, [1]), (0.75, [])):
+        demonstration = clean(doubted, CleaningOptions(least_confidence=least))
+        off = np.flatnonzero(np.abs(demonstration.x - X).max(axis=(0, 2)) > 0.015)
+        np.testing.assert_array_equal(off, wrong)
+        counts.append(demonstration.repairs["low_confidence_removed"])
+    assert counts == [0, 6, 16]
+    with pytest.raises(RecordingError, match=r"test.csv: confidence is \(3, 6\), points are \(181, 6\)"):
+        clean(replace(doubted, confidence=confidence[:3]))
+
+
+def test_frames_without_a_body_are_counted():
+    x = X.copy()
+    x[80:90] = np.nan
+    demonstration = clean(recording(T, x))
+    assert demonstration.repairs["empty_frames"] == 10
+    assert demonstration.repairs["missing_samples_filled"] == 60
+    assert rms(demonstration.x, X) < 0.004
+
+
+def test_every_step_can_be_left_out():
+    late = np.arange(len(T))
+    late[[50, 51]] = 51, 50
+    check_refused("frame 51 comes late", T[late], X[late], CleaningOptions(sort_frames=False))
+    x = X.copy()
+    x[100] = x[99]
+    demonstration = clean(recording(T, x), CleaningOptions(drop_repeats=False))
+    np.testing.assert_array_equal(demonstration.x, x)
+    x = X.copy()
+    x[60, 2, 0] += 0.5
+    left = CleaningOptions(remove_jumps=False, undo_swaps=False)
+    np.testing.assert_array_equal(clean(recording(T, x), left).x, x)
+
+
+def test_options_out_of_range():
+    check_refused("least_confidence is 2", T, X, CleaningOptions(least_confidence=2.0))
+    check_refused("smoothing is 'sinc'; give one of auto, butterworth", T, X, CleaningOptions(smoothing="sinc"))
+    check_refused("set restore_bones too", T, X, CleaningOptions(restore_hold=True))
+
+
+def test_smoothing_by_the_data_is_counted_and_said():
+    x = X + 0.01 * np.random.default_rng(0).normal(size=X.shape)
+    raw, smoothed = clean(recording(T, x)), clean(recording(T, x), CleaningOptions(smoothing="auto"))
+    assert rms(smoothed.x, X) < 0.5 * rms(raw.x, X)
+    assert (raw.repairs["points_smoothed"], smoothed.repairs["points_smoothed"]) == (0, 6 * len(T))
+    assert any(note.startswith("smoothing by the least estimated error") for note in smoothed.notes)
+    np.testing.assert_array_equal(raw.uncertainty, smoothed.uncertainty)
+
+
+def test_the_file_says_what_is_up():
+    turned = X @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]).T
+    for up, said in (("y", "as the file says"), (None, "as the arms hang")):
+        demonstration = clean(replace(recording(T, turned), up=up))
+        assert demonstration.notes[0] == f"up: the file's y axis, {said}"
+    with pytest.raises(RecordingError, match="test.csv: the file's up axis is 'w'"):
+        clean(replace(recording(T, turned), up="w"))
+
+
+def test_numbers_that_are_no_measurements_name_frame_and_point():
+    x, t = X.copy(), T.copy()
+    x[7, 4, 1] = 1e200
+    check_refused("at frame 7 right_elbow is at 1e+200 m; check --unit", T, x)
+    t[9] = np.nan
+    check_refused("frame 9 has the time nan s", t, X)
+    check_refused("do not fit", T[:-1], X)
+    close = T.copy()
+    close[20] = close[19] + 1e-12
+    check_refused("frames 19 and 20 are 1.0e-12 s apart", close, X)
+    check_refused("is no clock for", np.r_[np.arange(150) * 1e-5, np.linspace(0.1, 3.1, 31)], X)
+
+
+NUMBERS = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, -np.inf, 1e-300, 1e5, 1e7, 1e200, -1e308])
+CLOCKS = {
+    "even": lambda n, rng: np.arange(n) / 30.0,
+    "uneven": lambda n, rng: np.sort(rng.uniform(0.0, 5.0, n)),
+    "backwards": lambda n, rng: -np.arange(n) / 30.0,
+    "shuffled": lambda n, rng: rng.permutation(n) / 30.0,
+    "constant": lambda n, rng: np.full(n, 7.0),
+    "doubled": lambda n, rng: np.arange(n) // 2 / 15.0,
+    "huge": lambda n, rng: 1e9 + np.arange(n) / 30.0,
+    "hopeless": lambda n, rng: 10.0 ** rng.uniform(-300, 300, n),
+    "negative": lambda n, rng: -1e6 + np.arange(n) / 30.0,
+    "bursts": lambda n, rng: np.cumsum(10.0 ** rng.uniform(-9, 0, n)),
+}
+OPTIONS = [
+    CleaningOptions(),
+    CleaningOptions(smoothing="auto", restore_bones=True, restore_hold=True),
+    CleaningOptions(remove_jumps=False, undo_swaps=False, drop_repeats=False, interpolation="linear", up="-x"),
+    CleaningOptions(redo_depths=True, smoothing="spline", max_gap_s=100.0, up="y"),
+]
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    count=st.integers(0, 12) | st.integers(30, 60),
+    clock=st.sampled_from(sorted(CLOCKS)),
+    like_a_person=st.booleans(),
+    spoiled=st.lists(st.tuples(st.integers(0, 59), st.integers(0, 6), st.integers(1, 30), NUMBERS), max_size=5),
+    options=st.sampled_from(OPTIONS),
+    seed=st.integers(0, 1000),
+)
+def test_whatever_comes_is_cleaned_or_refused(count, clock, like_a_person, spoiled, options, seed):
+    rng = np.random.default_rng(seed)
+    x = X[60 : 60 + count].copy() if like_a_person else rng.normal(scale=0.15, size=(count, 6, 3))
+    for start, point, length, number in spoiled:
+        x[start : start + length, point if point < 6 else slice(None)] = number
+    given_recording = replace(
+        recording(CLOCKS[clock](count, rng), x), confidence=rng.choice([0.0, 0.5, 1.0], (count, 6), p=[0.02, 0.1, 0.88])
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            demonstration = clean(given_recording, options)
+        except RecordingError as error:
+            assert str(error).startswith("test.csv: ")
+            assert "\n" not in str(error)
+            return
+    assert np.isfinite(demonstration.x).all()
+    assert demonstration.x.shape == (len(demonstration.t), len(POINTS), 3)
+    np.testing.assert_allclose(np.diff(demonstration.t), 1.0 / demonstration.rate_hz, rtol=1e-3)
+    assert demonstration.t[0] == 0.0
+    assert np.isfinite(demonstration.uncertainty).all()
+    assert min(demonstration.repairs.values()) >= 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_long_recording_of_everything_at_once(seed):
+    rng = np.random.default_rng(seed)
+    x = np.concatenate([X, X[-2:0:-1]] * 12) + 0.004 * rng.normal(size=(12 * (2 * len(X) - 2), 6, 3))
+    t, truth = np.arange(len(x)) / 30.0, x.copy()
+    for start in range(100, len(x) - 100, 60):
+        kind, point = rng.integers(3), rng.integers(6)
+        stretch = slice(start, start + 1 + rng.integers(8))
+        if kind == 0:
+            x[stretch, point] += [0.5, 0.3, 0.4]
+        elif kind == 1:
+            x[stretch, point] = np.nan
+        else:
+            x[stretch, [2, 5]] = x[stretch, [5, 2]]
+    demonstration = clean(recording(t, x))
+    assert demonstration.repairs["swaps_undone"] > 0
+    assert demonstration.repairs["jumps_removed"] > 0
+    assert demonstration.repairs["missing_samples_filled"] > 0
+    assert np.abs(demonstration.x - truth).max() < 0.06

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drake_blfdmp.demonstration.bones import FOREARMS, UPPER_ARMS, link_lengths, robust_sigma
-from drake_blfdmp.demonstration.cleaning import PLAUSIBLE_BONE, clean
+from drake_blfdmp.demonstration.bones import FOREARMS, PLAUSIBLE_BONE, UPPER_ARMS, link_lengths, robust_sigma
+from drake_blfdmp.demonstration.cleaning import clean
 from drake_blfdmp.demonstration.demonstration import Recording
 from drake_blfdmp.demonstration.formats import read_recording
 from drake_blfdmp.demonstration.holding import find_holding

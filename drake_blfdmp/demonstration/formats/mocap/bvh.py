@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.demonstration.bones import FOREARMS, UPPER_ARMS, link_lengths
+from drake_blfdmp.demonstration.bones import FOREARMS, PLAUSIBLE_BONE, UPPER_ARMS, link_lengths
 from drake_blfdmp.demonstration.formats.bone_names import guess_bones
 from drake_blfdmp.demonstration.formats.mocap.bvh_hierarchy import Joint, ancestors, channel_names, parse_hierarchy
 from drake_blfdmp.demonstration.formats.point_names import resolve
@@ -24,7 +24,7 @@ from drake_blfdmp.demonstration.formats.recording_format import Joints
 from drake_blfdmp.demonstration.formats.tables.dialect import find_dialect
 from drake_blfdmp.demonstration.formats.tables.tables import read_columns
 from drake_blfdmp.demonstration.formats.text import head_lines, numbered_lines
-from drake_blfdmp.demonstration.length_unit import METRES, PLAUSIBLE_BONE
+from drake_blfdmp.demonstration.length_unit import METRES
 from drake_blfdmp.demonstration.raw_recording import Body, RawRecording
 from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.skeleton import POINTS, SHOULDERS
