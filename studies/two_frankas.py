@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from drake_blfdmp.errors import TaskError
 from drake_blfdmp.evaluation.studies.redundancy_runs import (
     BasePlaces,
     RedundancyRun,
@@ -142,7 +143,9 @@ def postures(rows: dict[str, dict]) -> list[Claim]:
 def compliance(run: RedundancyRun, context: StudyContext) -> Claim:
     """Does enough give way? Measured with the hands commanded too far apart."""
     paper = "object and end effectors deform a little, which counteracts errors of the relative distance"
-    width, (force, apart, asked) = run.plan.box.width, held_means(run)
+    width, (force, apart, asked) = run.plan.source.dimensions.box_width, held_means(run)
+    if width is None:
+        raise TaskError("two_frankas: a motion without a box presses on nothing; use task.kind=hold")
     told = (
         f"palms commanded {1e3 * (width - asked):.1f} mm closer than the box is wide stay {1e3 * apart:.1f} mm "
         f"apart and press with {force:.0f} N on average"

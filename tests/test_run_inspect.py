@@ -69,6 +69,8 @@ def test_one_hand_is_status_1_with_the_reason(folder, command_line, capsys):
     out = capsys.readouterr().out
     assert "verdict: not as it stands" in out and "one hand carries" in out
     assert "run it" not in out
+    command = next(line for line in out.splitlines() if line.startswith("as a motion without a box:  python run.py "))
+    assert command.endswith(f"--recording {folder / 'one_hand.csv'} --set task.kind=motion")
 
 
 def test_figure_and_page_are_written_and_never_over_something(folder, command_line, capsys, tmp_path):

@@ -10,6 +10,7 @@ from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
 from drake_blfdmp.demonstration.demonstration import Demonstration, Recording
 from drake_blfdmp.demonstration.grasp import grasp_and_release
 from drake_blfdmp.demonstration.holding import Holding, find_holding
+from drake_blfdmp.demonstration.timing import LONGEST_MOTION_S
 from drake_blfdmp.demonstration.torso_frame import CUTOFF_HZ, low_pass, to_torso_frame
 from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.skeleton import HANDS, LINKS, POINTS, SHOULDERS
@@ -94,7 +95,8 @@ class Health:
         holding: None where nothing is held in two hands.
         suitable: whether a two-handed skill can be learned as it stands.
         reasons: why not, or what to watch.
-        settings: scenario settings that suit this recording, as `--set` takes them.
+        settings: scenario settings that suit this recording, as `--set` takes them; where nothing is held, those that
+            play the motion without a box.
     """
 
     source: str
@@ -131,14 +133,17 @@ def examine(recording: Recording, options: CleaningOptions | None = None) -> Exa
     """Judge a recording: cleaned and searched for the held interval as a run would; never raises for what it finds."""
     reasons: list[str] = []
     demonstration, holding, found = None, None, None
+    settings: tuple[str, ...] = ()
     try:
         demonstration = clean(recording, options or CleaningOptions())
     except RecordingError as error:
         reasons.append(_without_source(recording, error))
     if demonstration is not None:
         try:
-            holding = grasp_and_release(to_torso_frame(demonstration), find_holding(demonstration))
-            found = _holding_health(demonstration, holding)
+            in_torso = to_torso_frame(demonstration)
+            settings = motion_settings(demonstration.duration_s)
+            holding = grasp_and_release(in_torso, find_holding(demonstration))
+            found, settings = _holding_health(demonstration, holding), ()
         except RecordingError as error:
             reasons.append(_without_source(recording, error))
     clock, points = clock_health(recording), _points_health(recording, demonstration)
@@ -163,9 +168,16 @@ def examine(recording: Recording, options: CleaningOptions | None = None) -> Exa
         holding=found,
         suitable=suitable,
         reasons=tuple(reasons),
-        settings=(f"box.width={found.hand_distance_m:.3f}",) if suitable and found else (),
+        settings=(f"box.width={found.hand_distance_m:.3f}",) if suitable and found else settings,
     )
     return Examined(health, recording, demonstration, holding)
+
+
+def motion_settings(duration_s: float) -> tuple[str, ...]:
+    """What plays a recording of that length as a motion without a box: all of it, or as much as may be played."""
+    if duration_s <= LONGEST_MOTION_S:
+        return ("task.kind=motion",)
+    return ("task.kind=motion", f"task.held=[0, {LONGEST_MOTION_S:g}]")
 
 
 def clock_health(recording: Recording) -> ClockHealth:

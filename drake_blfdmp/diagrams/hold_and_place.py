@@ -1,4 +1,4 @@
-"""The whole diagram: skill, retargeting, inverse kinematics, and two Frankas with a box."""
+"""The whole diagram: skill, retargeting, inverse kinematics, and two Frankas, with a box where the plan has one."""
 
 from dataclasses import dataclass
 
@@ -31,8 +31,8 @@ class HoldAndPlace:
         retargeting, ik: from points to joints.
         plant, scene_graph: two arms, a box, tables.
         arms: model instances, left and right.
-        box: the free body.
-        palm_forces: the monitor of contact forces.
+        box: the free body; None in a motion without one.
+        palm_forces: the monitor of contact forces on it; None without one.
         limits: of the joints.
     """
 
@@ -43,27 +43,27 @@ class HoldAndPlace:
     plant: MultibodyPlant
     scene_graph: SceneGraph
     arms: tuple[ModelInstanceIndex, ...]
-    box: RigidBody
-    palm_forces: System
+    box: RigidBody | None
+    palm_forces: System | None
     limits: JointLimits
 
 
 def AddPlannedPlant(
     builder: DiagramBuilder, plan: Plan
-) -> tuple[MultibodyPlant, SceneGraph, tuple[ModelInstanceIndex, ...], RigidBody]:
-    """Add the finalized plant of a plan: both arms under joint PD, the tables and the box."""
+) -> tuple[MultibodyPlant, SceneGraph, tuple[ModelInstanceIndex, ...], RigidBody | None]:
+    """Add the finalized plant of a plan: both arms under joint PD, the tables and, where there is one, the box."""
     plant, scene_graph = AddMultibodyPlant(ContactPlantConfig(plan.scenario.simulation.time_step), builder)
     arms = AddDualPanda(plant)
     for table in plan.tables:
         AddTable(plant, table)
-    box = AddBox(plant, plan.box)
+    box = None if plan.box is None else AddBox(plant, plan.box)
     plant.Finalize()
     SetJointPd(plant, arms)
     return plant, scene_graph, arms, box
 
 
 def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
-    """Add and connect everything between the phase and the box; recorders and viewers are the caller's.
+    """Add and connect everything between the phase and the arms or the box; recorders and viewers are the caller's.
 
     Raises:
         ScenarioError: the gains are not safe at the scenario's time step.
@@ -94,24 +94,32 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
             mirrored=plan.retarget.elbow_up,
         ),
     )
-    forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))
     for name in ("position", "velocity"):
         builder.Connect(skill.transformation.GetOutputPort(name), retargeting.GetInputPort(name))
     for name in ("palm_poses", "palm_twists", "swivel", "swivel_rate"):
         builder.Connect(retargeting.GetOutputPort(name), ik.GetInputPort(name))
     for arm, name in zip(arms, ("left", "right"), strict=True):
         builder.Connect(ik.GetOutputPort(f"desired_state_{name}"), plant.get_desired_state_input_port(arm))
-    builder.Connect(plant.get_contact_results_output_port(), forces.GetInputPort("contact_results"))
+    forces = None if box is None else _add_palm_forces(builder, plant, arms, box)
     return HoldAndPlace(plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits)
 
 
+def _add_palm_forces(
+    builder: DiagramBuilder, plant: MultibodyPlant, arms: tuple[ModelInstanceIndex, ...], box: RigidBody
+) -> System:
+    forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))
+    builder.Connect(plant.get_contact_results_output_port(), forces.GetInputPort("contact_results"))
+    return forces
+
+
 def SetInitialState(parts: HoldAndPlace, diagram: Diagram, context: Context) -> None:
-    """Put the arms into the plan's first posture and the box where the hands will take it."""
+    """Put the arms into the plan's first posture and the box, where there is one, where the hands will take it."""
     plant_context = parts.plant.GetMyMutableContextFromRoot(context)
     start = np.asarray(parts.plan.reach.start)
     for arm, q in zip(parts.arms, (start[:7], start[7:]), strict=True):
         parts.plant.SetPositions(plant_context, arm, q)
-    parts.plant.SetFreeBodyPose(plant_context, parts.box, rigid(parts.plan.start))
+    if parts.box is not None:
+        parts.plant.SetFreeBodyPose(plant_context, parts.box, rigid(parts.plan.start))
 
 
 def MakeHoldAndPlace(plan: Plan) -> tuple[Diagram, HoldAndPlace]:

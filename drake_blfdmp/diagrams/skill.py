@@ -48,7 +48,7 @@ def AddSkill(
     Args:
         builder: receives the systems, named canonical, forcing, goal, transformation, bands, coupler, and reshaper or
             point_coupler.
-        skill, bands: what to carry out.
+        skill, bands: what to carry out; the skill's mobility, where it has one, weighs the reshaper.
         law: a name of `skill.laws.LAWS`; with another than "default" the coupler only watches.
         gains: of the law, its defaults if None.
         time_step: 0 for continuous states, otherwise the period of the discrete ones, s.
@@ -80,7 +80,10 @@ def AddSkill(
     reshaper = point_coupler = None
     if law == "default":
         gains = gains or Gains()
-        reshaper = builder.AddNamedSystem("reshaper", DistanceReshaper(law_stiffness=1.0 + gains.k_1 * gains.k_2))
+        weights = {} if skill.mobility is None else {"mobility": skill.mobility}
+        reshaper = builder.AddNamedSystem(
+            "reshaper", DistanceReshaper(law_stiffness=1.0 + gains.k_1 * gains.k_2, **weights)
+        )
         connect(coupler, "link_acceleration", reshaper)
     elif law != "none":
         primitive = Primitive(skill.tau, skill.alpha_z)

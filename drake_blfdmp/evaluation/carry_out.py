@@ -28,6 +28,9 @@ from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, Skeleto
 
 Progress = Callable[[str, float], None]
 
+MOST_SCENE_FRAMES = 1000
+"""A scene has no more; one of them takes about 5 kB."""
+
 GHOST_AT = np.array([0.8, -0.1, 1.3])
 """Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
 
@@ -40,6 +43,11 @@ class Run:
     log: RunLog
     summary: dict
     folder: Path
+
+
+def SceneRate(plan: Plan) -> float:
+    """Frames a second of the scene, Hz: the scenario's, or fewer where so long a run would make a large page."""
+    return min(plan.scenario.simulation.scene_rate_hz, MOST_SCENE_FRAMES / plan.duration_s)
 
 
 def RefuseUsedFolder(folder: Path) -> None:
@@ -125,7 +133,7 @@ def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, sta
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()
     SetInitialState(parts, diagram, context)
-    viewer.StartRecording(frames_per_second=scenario.simulation.scene_rate_hz, set_visualizations_while_recording=True)
+    viewer.StartRecording(frames_per_second=SceneRate(plan), set_visualizations_while_recording=True)
     end = plan.duration_s
     started = time.perf_counter()
     simulator.Initialize()
@@ -169,7 +177,7 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
         f"{link}_{row}" for row in ("lower", "upper", "lower_d", "upper_d", "lower_dd", "upper_dd") for link in links
     ]
     joints = [f"{arm}{joint}" for arm in ("left_", "right_") for joint in range(1, 8)]
-    for name, port, elements, unit in (
+    signals = [
         ("phase", skill.canonical.GetOutputPort("phase"), ["s"], "1"),
         ("points", skill.transformation.GetOutputPort("position"), points, "m"),
         ("bands", skill.bands.GetOutputPort("bands"), bands, "m, m/s, m/s^2"),
@@ -177,8 +185,10 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
         ("margin", skill.coupler.GetOutputPort("margin"), links, "1"),
         ("desired_position", parts.ik.GetOutputPort("position"), joints, "rad"),
         ("task_scale", parts.ik.GetOutputPort("task_scale"), ["left", "right"], "1"),
-        ("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"),
-    ):
+    ]
+    if parts.palm_forces is not None:
+        signals.append(("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"))
+    for name, port, elements, unit in signals:
         builder.Connect(port, recorder.AddVectorInput(name, len(elements), elements, unit))
     return recorder
 
@@ -186,7 +196,7 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
 def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) -> None:
     """Show the scene, and the skeleton as a ghost beside it, in Meshcat."""
     plan = parts.plan
-    period = 1.0 / plan.scenario.simulation.scene_rate_hz
+    period = 1.0 / SceneRate(plan)
     meshcat.Delete()
     meshcat.DeleteAddedControls()
     set_scene_camera(meshcat)

@@ -50,14 +50,18 @@ def report(summary: dict) -> str:
     recording, plan = summary["recording"], summary["plan"]
     kind = "synthetic" if recording["synthetic"] else "recorded"
     repairs = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in recording["repairs"].items() if n)
-    held = recording["held_s"]
+    if summary["box"] is None:
+        start, end = recording["played_s"]
+        done = f"played from {start:.2f} to {end:.2f} s, without a box"
+    else:
+        start, end = recording["held_s"]
+        done = f"held from {start:.2f} to {end:.2f} s, box {plan['box_width_m']:.3f} m wide"
     place = ", ".join(f"{value:.2f}" for value in plan["world_m"])
     return "\n".join(
         [
             "",
             f"{recording['source']} ({kind}), law {summary['law']}",
-            f"held from {held[0]:.2f} to {held[1]:.2f} s, box {plan['box_width_m']:.3f} m wide; "
-            f"repairs: {repairs or 'none'}",
+            f"{done}; repairs: {repairs or 'none'}",
             f"retargeted at scale {plan['scale']:g}, shoulders to ({place}) m",
             *(f"note: {note}" for note in plan["notes"]),
             "",
@@ -79,19 +83,23 @@ def table(summary: dict) -> str:
     for name, link in links.items():
         free = uncoupled[name]
         inside = link["samples_until_inside"]
+        desired = "moving" if link["desired_m"] is None else f"{link['desired_m']:.3f} m"
         lines.append(
-            f"{name:<16}{link['desired_m']:>7.3f} m"
+            f"{name:<16}{desired:>9}"
             f"{free['min_m']:>9.3f}-{free['max_m']:.3f} m"
             f"{link['min_m']:>9.3f}-{link['max_m']:.3f} m"
             f"{link['violations']:>12d}"
             f"{'never' if inside is None else f'{inside} samples':>14}"
         )
-    force = box["squeeze_force_n"]
+    lines.append("")
+    if box is not None:
+        force = box["squeeze_force_n"]
+        lines.append(
+            f"box    lifted {box['lifted_m']:.3f} m, placed within {1000 * box['placement_error_m']:.1f} mm, tilt at "
+            f"most {box['max_tilt_deg']:.2f} deg, squeeze {force[0]:.0f}-{force[1]:.0f} N, "
+            f"slip {1000 * box['max_slip_m']:.1f} mm"
+        )
     lines += [
-        "",
-        f"box    lifted {box['lifted_m']:.3f} m, placed within {1000 * box['placement_error_m']:.1f} mm, tilt at most "
-        f"{box['max_tilt_deg']:.2f} deg, squeeze {force[0]:.0f}-{force[1]:.0f} N, "
-        f"slip {1000 * box['max_slip_m']:.1f} mm",
         f"robot  palms follow within {1000 * robot['palm_tracking_rms_m']:.1f} mm rms, joint margin "
         f"{robot['min_joint_margin_rad']:.2f} rad, effort {100 * robot['max_effort_ratio']:.0f} %, speed "
         f"{100 * robot['max_velocity_ratio']:.0f} %, clearance {1000 * robot['min_clearance_m']:.0f} mm",

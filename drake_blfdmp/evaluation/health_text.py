@@ -49,9 +49,10 @@ def health_text(health: Health, command: Sequence[str] = ()) -> str:
         )
     lines += ["", "verdict: " + ("a two-handed skill can be learned" if health.suitable else "not as it stands")]
     lines += [line for reason in health.reasons for line in _wrapped(reason)]
-    if health.suitable and command:
+    if command and (health.suitable or health.settings):
         settings = [part for setting in health.settings for part in ("--set", setting)]
-        lines += ["run it:  " + shlex.join([*command, *settings])]
+        what = "run it:  " if health.suitable else "as a motion without a box:  "
+        lines.append(what + shlex.join([*command, *settings]))
     return "\n".join(lines)
 
 

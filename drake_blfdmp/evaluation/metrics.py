@@ -5,7 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.recording.run_log import RunLog
 from drake_blfdmp.robot.retargeting import up_axis
-from drake_blfdmp.skeleton import LINKS
+from drake_blfdmp.skeleton import HANDS, LINKS
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.barrier import barrier_derivative, normalised_error
 from drake_blfdmp.skill.geometry import link_states
@@ -35,22 +35,22 @@ def samples_until_inside(t, lengths, lower, upper, rate: float = RECORDING_RATE)
     return int(np.ceil(round(float(t[outside[-1] + 1] * rate), 6)))
 
 
-def link_metrics(rollout: Rollout, bands: Bands, held_at: float) -> dict[str, dict]:
+def link_metrics(rollout: Rollout, bands: Bands, held_at: float | None) -> dict[str, dict]:
     """One entry a link: desired length while held, range, violations of the funnel, how soon the paper's band is met.
 
     Args:
         rollout: any rollout of the task, with or without coupling.
         bands: the funnel; `bands.paper()` is what (13) and (20) print.
-        held_at: a time at which the box is held, s.
+        held_at: a time at which the box is held, s; None without one, where the hands have no one desired length.
     """
     lengths = rollout.lengths
     funnel, paper = bands.evaluate(rollout.t), bands.paper().evaluate(rollout.t)
     middle, half = 0.5 * (funnel[:, 0] + funnel[:, 1]), 0.5 * (funnel[:, 1] - funnel[:, 0])
     excess = np.abs(lengths - middle) - half
-    desired = bands.desired(held_at)[0]
+    desired = bands.desired(held_at or 0.0)[0]
     return {
         link.name: {
-            "desired_m": float(desired[i]),
+            "desired_m": None if held_at is None and i == HANDS else float(desired[i]),
             "min_m": float(lengths[:, i].min()),
             "max_m": float(lengths[:, i].max()),
             "violations": int(np.sum(excess[:, i] >= 0)),
@@ -102,7 +102,7 @@ def slip(palm, box, width: float):
 
 
 def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: float, width: float) -> dict:
-    """What happened to the box.
+    """What happened to the box, which the log must have.
 
     Args:
         held: when it is squeezed, s.
@@ -110,6 +110,8 @@ def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: floa
         start_height: of its centre before the grasp, m.
         width: of the box, m.
     """
+    if log.box is None or log.box_desired is None:
+        raise ValueError("a motion without a box has no metrics of one")
     inside = (log.t >= held[0]) & (log.t <= held[1])
     force = log.palm_force[inside]
     gripped = force.min(axis=1) if len(force) else np.zeros(1)

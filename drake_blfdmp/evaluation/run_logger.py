@@ -17,6 +17,7 @@ from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.barrier import middles_and_half_widths
 from drake_blfdmp.skill.geometry import link_lengths
+from drake_blfdmp.skill.profiles import HandDistance
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class RunLogger:
     every_step: VectorLogSink
 
     def log(self, name: str, context: Context) -> np.ndarray:
-        """The samples (N, size) of a signal."""
+        """The samples (N, size) of a signal; those of the box are not logged where there is none."""
         return np.array(self.sinks[name].FindLog(context).data().T)
 
     def times(self, context: Context) -> np.ndarray:
@@ -60,9 +61,11 @@ def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
         "right_state": plant.get_state_output_port(right),
         "left_effort": plant.get_net_actuation_output_port(left),
         "right_effort": plant.get_net_actuation_output_port(right),
-        "box_state": plant.get_state_output_port(parts.box.model_instance()),
-        "palm_force": parts.palm_forces.get_output_port(),
     }
+    if parts.box is not None:
+        ports["box_state"] = plant.get_state_output_port(parts.box.model_instance())
+    if parts.palm_forces is not None:
+        ports["palm_force"] = parts.palm_forces.get_output_port()
     sinks = {name: LogVectorOutput(port, builder, period) for name, port in ports.items()}
     every_step = LogVectorOutput(skill.transformation.GetOutputPort("position"), builder, simulation.skill_time_step)
     return RunLogger(sinks, every_step)
@@ -75,7 +78,9 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
     bands = logger.log("bands", context).reshape(n, 6, 5)
     left, right = logger.log("left_state", context), logger.log("right_state", context)
     q, v = np.hstack([left[:, :7], right[:, :7]]), np.hstack([left[:, 7:], right[:, 7:]])
-    box = logger.log("box_state", context)[:, :7]
+    # A motion without a box has neither.
+    box = logger.log("box_state", context)[:, :7] if "box_state" in logger.sinks else None
+    force = logger.log("palm_force", context) if "palm_force" in logger.sinks else np.zeros((n, 2))
     index = np.minimum(np.round(t / plan.scenario.simulation.skill_time_step).astype(int), len(plan.coupled.t) - 1)
     palm, swivel = _kinematics(q)
     motion, stretch = plan.task.motion, plan.stretch
@@ -104,17 +109,20 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
         palm_desired=logger.log("palm_poses", context).reshape(n, 2, 7),
         swivel=swivel,
         swivel_desired=logger.log("swivel", context),
-        palm_force=logger.log("palm_force", context),
+        palm_force=force,
         box=box,
-        box_desired=plan.planned_box()[index],
+        box_desired=None if box is None else plan.planned_box()[index],
         clearance=_clearances(plan, q, box),
         events=PlannedEvents(plan),
+        spread=plan.task.skill.spread_at(t),
     )
 
 
 def PlannedEvents(plan: Plan) -> tuple[tuple[str, float], ...]:
     """The task's phases by the plan's clock: (name, time in s)."""
     hands, events = plan.task.bands.hands, plan.task.skill.events
+    if not isinstance(hands, HandDistance):
+        return tuple((name, float(t)) for name, t in events.items())
     grasped, released = plan.task.held
     return (
         ("close", float(hands.close_s)),
@@ -136,6 +144,7 @@ def _kinematics(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return palm, swivel
 
 
-def _clearances(plan: Plan, q: np.ndarray, box: np.ndarray) -> np.ndarray:
+def _clearances(plan: Plan, q: np.ndarray, box: np.ndarray | None) -> np.ndarray:
     checker = ClearanceChecker(plan.tables, plan.box)
-    return np.array([checker.min_clearance(posture, rigid(pose))[0] for posture, pose in zip(q, box, strict=True)])
+    poses = [None] * len(q) if box is None else [rigid(pose) for pose in box]
+    return np.array([checker.min_clearance(posture, pose)[0] for posture, pose in zip(q, poses, strict=True)])

@@ -121,9 +121,11 @@ def CheckOptions(scripts: Sequence[StudyScript], options: StudyOptions) -> None:
             LoadScenario(script.scenario)
         except ScenarioError:
             continue  # Not the options' fault: it fails when its turn comes.
-        seed = LoadScenario(script.scenario, options.settings).seed
-        if seed < 0:
-            raise BlfDmpError(f"the seed is {seed}; give zero or a positive whole number")
+        scenario = LoadScenario(script.scenario, options.settings)
+        if scenario.seed < 0:
+            raise BlfDmpError(f"the seed is {scenario.seed}; give zero or a positive whole number")
+        if scenario.task.kind != "hold":
+            raise BlfDmpError(f"studies: {script.name} is about a held box; task.kind={scenario.task.kind} is no study")
 
 
 def RunStudies(

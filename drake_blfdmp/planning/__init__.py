@@ -1,10 +1,11 @@
 """From a scenario to a plan: every number a diagram needs.
 
-- `scenario`: the typed description of a run, from and to YAML.
+- `scenario`, `scenario_sections`: the typed description of a run, from and to YAML.
 - `sources`: the scenario's recording, cleaned, in the torso frame, with its held interval.
 - `task`: the motion on the task's clock, the skill, the bands.
 - `supports`: the tables, and the shift that makes room for them.
 - `span`: how far apart the palms can be at all.
 - `squeeze`: the depth for a force.
-- `plan`: all of it in order, `MakePlan`.
+- `planned`: what a plan is.
+- `plan`: all of it in order, `MakePlan`; `free_plan`: the same for a motion without a box.
 """

@@ -1,7 +1,7 @@
 """The typed description of a run, from and to YAML.
 
-A scenario file gives only what differs from the defaults here; an unknown key is an error that names it. Lengths are in
-m, times in s, angles in rad, unless a name says otherwise. None means: found in the recording, or chosen.
+A scenario file gives only what differs from the defaults in `scenario_sections`; an unknown key is an error that names
+it.
 """
 
 from collections.abc import Sequence
@@ -13,164 +13,28 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from drake_blfdmp.demonstration.timing import Timing
 from drake_blfdmp.errors import ScenarioError
+from drake_blfdmp.planning.scenario_sections import (
+    SENSOR_NAMES,
+    TASK_KINDS,
+    BandsConfig,
+    BoxConfig,
+    GainsConfig,
+    GamsConfig,
+    LearningConfig,
+    PublishedConfig,
+    RecordingConfig,
+    RetargetConfig,
+    SimulationConfig,
+    SyntheticConfig,
+    TaskConfig,
+)
 from drake_blfdmp.robot.redundancy import REDUNDANCIES
+from drake_blfdmp.skeleton import POINTS
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.regression import METHODS
 
 LONGEST_TIME_STEP = 0.01
 """The longest step of the plant, s: at 0.01 the default run still succeeds, at 0.02 the box flies off."""
-
-
-@dataclass
-class RecordingConfig:
-    """Which recording, and how to read it.
-
-    Attributes:
-        file: path; None films the modelled person with the virtual Kinect.
-        format: a reader's name; None detects it from the content.
-        frames: first and last frame, inclusive.
-        joints: a skeleton point's name -> one column stem, or three columns.
-        unit: m, cm or mm.
-        up: the vertical axis of the file, for example "z", "y" or "-y".
-        frame: "torso" lets the person walk away from under the motion, "world" keeps the file's frame.
-    """
-
-    file: str | None = None
-    format: str | None = None
-    frames: list[int] | None = None
-    joints: dict[str, list[str]] = field(default_factory=dict)
-    unit: str | None = None
-    up: str | None = None
-    frame: str = "torso"
-
-
-@dataclass
-class SyntheticConfig:
-    """The modelled person whom the virtual Kinect films when there is no recording."""
-
-    upper_arm: float = 0.22
-    forearm: float = 0.28
-    box_width: float = 0.30
-
-
-@dataclass
-class LearningConfig:
-    """How the skill is learned.
-
-    Attributes:
-        basis_functions: their number; None takes 5 a second, at least 50.
-        method: "ridge" or "lwr".
-        cutoff_hz: of the smoothing before differentiation.
-        alpha_z: gain of (1); None takes 10 tau.
-    """
-
-    basis_functions: int | None = None
-    method: str = "ridge"
-    cutoff_hz: float = 1.2
-    alpha_z: float | None = None
-
-
-@dataclass
-class BandsConfig:
-    """Desired lengths of the bones and the half widths of all bands; (13), (20)."""
-
-    upper_arm: float | None = None
-    forearm: float | None = None
-    bone_half_width: float = 0.01
-    hands_half_width: float = 0.01
-    hands_funnel: float = 0.02
-    rate: float = 3.0
-
-
-@dataclass
-class GainsConfig:
-    """Gains of the default law, 1/s."""
-
-    k_1: float = 8.0
-    k_2: float = 20.0
-
-
-@dataclass
-class PublishedConfig:
-    """Gains of the published laws, see `skill.laws.follower`."""
-
-    k_z: float = 300.0
-    d_z: float = 0.2
-    k_2: float = 0.0
-    largest_rate: float = 150.0
-
-
-@dataclass
-class GamsConfig:
-    """Gains of the coupling of Gams et al., see `skill.laws.gams`."""
-
-    c_k: float = 300.0
-    c_2: float = 10.0
-
-
-@dataclass
-class BoxConfig:
-    """The box; a width of None is the hands' distance in the recording."""
-
-    width: float | None = None
-    depth: float = 0.20
-    height: float = 0.20
-    mass: float = 1.0
-    friction: float = 0.8
-
-
-@dataclass
-class TaskConfig:
-    """What is done with the box.
-
-    Attributes:
-        held: beginning and end of the held interval on the recording's clock; None finds it.
-        squeeze_force: how hard the palms press on the box, N, on average; the depth follows from the arms' stiffness.
-        squeeze: how far each palm is commanded into the box; None takes what gives `squeeze_force`.
-        clearance: distance of each palm from the box while it is open.
-        grasp_above: how far above the box's centre the palms take it; it then hangs, and the hands clear the table.
-        place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
-        duration_scale: stretches the motion; None slows it down just as far as the arms need.
-        tail: time after the motion's end.
-    """
-
-    held: list[float] | None = None
-    squeeze_force: float = 55.0
-    squeeze: float | None = None
-    clearance: float = 0.05
-    grasp_above: float = 0.02
-    place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    duration_scale: float | None = None
-    tail: float = 0.5
-
-
-@dataclass
-class RetargetConfig:
-    """From the person to the arms; None is chosen so that the whole motion is reachable with margin.
-
-    Attributes:
-        scale: of the person's motion.
-        world: where the shoulders' midpoint goes.
-        level: keep the line between the palms horizontal.
-        elbow_up: mirror the elbows to above the line from shoulder to wrist.
-        redundancy: what the arms' seventh joint is for while they move: "swivel", "none" or "published".
-    """
-
-    scale: float | None = None
-    world: list[float] | None = None
-    level: bool = True
-    elbow_up: bool = True
-    redundancy: str = "swivel"
-
-
-@dataclass
-class SimulationConfig:
-    """Steps and rates: `time_step` of the plant, `skill_time_step` of the skill and the inverse kinematics."""
-
-    time_step: float = 0.002
-    skill_time_step: float = 0.004
-    record_rate_hz: float = 100.0
-    scene_rate_hz: float = 24.0
 
 
 @dataclass
@@ -241,6 +105,8 @@ def CheckScenario(scenario: Scenario) -> None:
         "law": (scenario.law, tuple(LAWS)),
         "learning.method": (scenario.learning.method, tuple(METHODS)),
         "recording.frame": (scenario.recording.frame, ("torso", "world")),
+        "synthetic.sensor": (scenario.synthetic.sensor, SENSOR_NAMES),
+        "task.kind": (scenario.task.kind, TASK_KINDS),
         "retarget.redundancy": (scenario.retarget.redundancy, REDUNDANCIES),
     }
     for key, (value, allowed) in choices.items():
@@ -270,8 +136,14 @@ def CheckScenario(scenario: Scenario) -> None:
         "task.squeeze": task.squeeze,
         "bands.upper_arm": scenario.bands.upper_arm,
         "bands.forearm": scenario.bands.forearm,
+        "recording.rate_hz": scenario.recording.rate_hz,
     }
     positive |= {key: value for key, value in optional.items() if value is not None}
+    for key, values in (
+        ("recording.weights", scenario.recording.weights),
+        ("bands.mobility", scenario.bands.mobility),
+    ):
+        positive |= {f"{key}[{i}]": value for i, value in enumerate(values or ())}
     for key, value in positive.items():
         if not 0 < value < float("inf"):
             raise ScenarioError(f"scenario: {key} must be positive and finite, not {value}")
@@ -296,6 +168,8 @@ def CheckScenario(scenario: Scenario) -> None:
         raise ScenarioError(
             f"scenario: learning.basis_functions must be at least 2, not {scenario.learning.basis_functions}"
         )
+    _check_recordings(scenario)
+    _check_mobility(scenario)
     for key, value, size in (
         ("recording.frames", scenario.recording.frames, 2),
         ("task.held", task.held, 2),
@@ -306,13 +180,51 @@ def CheckScenario(scenario: Scenario) -> None:
             raise ScenarioError(f"scenario: {key} must have {size} numbers, not {len(value)}")
 
 
-def _listed_joints(tree: dict) -> dict:
-    """The tree with every joint's columns in a list: Drake's loader would take a lone name letter by letter."""
+def _check_recordings(scenario: Scenario) -> None:
+    recording, takes = scenario.recording, scenario.synthetic.takes
+    if takes < 1:
+        raise ScenarioError(f"scenario: synthetic.takes must be at least 1, not {takes}")
+    if recording.also and recording.file is None:
+        raise ScenarioError(
+            "scenario: recording.also goes with recording.file; give that, or synthetic.takes for more films of the "
+            "modelled person"
+        )
+    count = takes if recording.file is None else 1 + len(recording.also)
+    if recording.weights is not None and len(recording.weights) != count:
+        raise ScenarioError(
+            f"scenario: recording.weights must have {count} numbers, one for each recording, not "
+            f"{len(recording.weights)}"
+        )
+
+
+def _check_mobility(scenario: Scenario) -> None:
+    bands = scenario.bands
+    if bands.mobility is None and not bands.weigh_by_uncertainty:
+        return
+    if bands.mobility is not None and bands.weigh_by_uncertainty:
+        raise ScenarioError("scenario: bands.mobility and bands.weigh_by_uncertainty exclude each other; give one")
+    if bands.mobility is not None and len(bands.mobility) != len(POINTS):
+        raise ScenarioError(
+            f"scenario: bands.mobility must have {len(POINTS)} numbers ({', '.join(POINTS)}), not {len(bands.mobility)}"
+        )
+    if scenario.law != "default":
+        key = "bands.weigh_by_uncertainty" if bands.weigh_by_uncertainty else "bands.mobility"
+        raise ScenarioError(f"scenario: {key} is for the default law alone; law {scenario.law} has no such weights")
+
+
+def _as_drake_reads_it(tree: dict) -> dict:
+    """The tree with lists of names in place of lone names, which Drake would take letter by letter, and ids as text."""
     recording = tree.get("recording")
-    if not isinstance(recording, dict) or not isinstance(joints := recording.get("joints"), dict):
+    if not isinstance(recording, dict):
         return tree
-    listed = {key: [value] if isinstance(value, str) else value for key, value in joints.items()}
-    return {**tree, "recording": {**recording, "joints": listed}}
+    recording = dict(recording)
+    if isinstance(joints := recording.get("joints"), dict):
+        recording["joints"] = {key: [value] if isinstance(value, str) else value for key, value in joints.items()}
+    if isinstance(also := recording.get("also"), str):
+        recording["also"] = [also]
+    if type(body := recording.get("body")) is int:
+        recording["body"] = str(body)
+    return {**tree, "recording": recording}
 
 
 def _parse(text: str, where: str):
@@ -320,6 +232,8 @@ def _parse(text: str, where: str):
         return yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ScenarioError(f"{where}: is not YAML ({str(error).splitlines()[0]})") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{where}: brackets are nested too deeply; write a plain value") from error
 
 
 def _merge(scenario: Scenario, tree, where: str) -> Scenario:
@@ -329,7 +243,7 @@ def _merge(scenario: Scenario, tree, where: str) -> Scenario:
         raise ScenarioError(f"{where}: must hold keys and values")
     _check_keys(scenario, tree, where, "")
     try:
-        return yaml_load_typed(schema=Scenario, data=yaml.safe_dump(_listed_joints(tree)), defaults=scenario)
+        return yaml_load_typed(schema=Scenario, data=yaml.safe_dump(_as_drake_reads_it(tree)), defaults=scenario)
     except Exception as error:  # Drake's loader raises bare errors of several types
         raise ScenarioError(f"{where}: {str(error).splitlines()[0]}") from error
 

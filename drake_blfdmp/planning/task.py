@@ -4,17 +4,21 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
-from drake_blfdmp.demonstration.timing import TaskMotion, task_motion
-from drake_blfdmp.errors import SkillError
+from drake_blfdmp.demonstration.timing import TaskMotion, free_motion, task_motion
+from drake_blfdmp.errors import ScenarioError, SkillError
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import Source
+from drake_blfdmp.skeleton import HANDS
 from drake_blfdmp.skill.bands import Bands, make_bands
+from drake_blfdmp.skill.geometry import link_lengths
 from drake_blfdmp.skill.laws import law
 from drake_blfdmp.skill.laws.follower import PublishedGains
 from drake_blfdmp.skill.laws.gams import GamsGains
 from drake_blfdmp.skill.learning import learn_skill
-from drake_blfdmp.skill.profiles import HandDistance, smooth_step
+from drake_blfdmp.skill.profiles import HandDistance, RecordedDistance, smooth_step, softly_at_least
+from drake_blfdmp.skill.reshaper import mobility_from_uncertainty
 from drake_blfdmp.skill.rollout import Rollout, roll_out
 from drake_blfdmp.skill.sampled import Gains
 from drake_blfdmp.skill.skill import Skill
@@ -24,6 +28,9 @@ DEFAULT_SQUEEZE = 0.012
 
 FARTHEST = 100.0
 """Coordinates, m, beyond which a motion is none of a person's arms."""
+
+APART_BLEND = 0.02
+"""Distance, m, over which hands that come closer than the palms can are led to the least distance."""
 
 CLOSING_SHARE = 0.7
 """Share of the dwell at the grasp in which the hands close; the rest is rest on either side."""
@@ -36,25 +43,32 @@ class Task:
     Attributes:
         motion: what the skill was learned from.
         skill, bands: to carry out.
-        box_width: m.
+        box_width: m; None in a motion without a box.
     """
 
     motion: TaskMotion
     skill: Skill
     bands: Bands
-    box_width: float
+    box_width: float | None
 
     @property
     def held(self) -> tuple[float, float]:
-        """When the box is squeezed: from the end of closing to the beginning of opening, s."""
+        """When the box is squeezed: from the end of closing to the beginning of opening, s; with a box alone."""
         hands = self.bands.hands
         if not isinstance(hands, HandDistance):
-            raise TypeError("a task's hands open and close")
+            raise TypeError("in a motion without a box nothing is held")
         return float(hands.close_s + hands.duration_s), float(hands.open_s)
 
 
 def MakeMotion(scenario: Scenario, source: Source) -> TaskMotion:
-    """The source's motion on the task's clock."""
+    """The source's motion on the task's clock.
+
+    Raises:
+        ScenarioError: timing out of range, or too short or too long a motion.
+    """
+    if scenario.task.kind == "motion":
+        start, end = np.clip([source.holding.start_s, source.holding.end_s], *source.demonstration.t[[0, -1]])
+        return free_motion(source.demonstration, start, end, scenario.timing, scenario.learning.cutoff_hz)
     motion = task_motion(source.demonstration, source.holding, scenario.timing, scenario.learning.cutoff_hz)
     return Centred(motion)
 
@@ -91,11 +105,14 @@ def Raised(motion: TaskMotion, height: float, window: tuple[float, float]) -> Ta
     return replace(motion, x=motion.x + (height * bump)[:, None, None] * np.array([0.0, 0.0, 1.0]))
 
 
-def MakeTask(scenario: Scenario, source: Source, motion: TaskMotion, stretch: float = 1.0) -> Task:
+def MakeTask(
+    scenario: Scenario, source: Source, motion: TaskMotion, stretch: float = 1.0, least_apart: float = 0.0
+) -> Task:
     """Learn the motion and lay the bands around it.
 
     Args:
         stretch: the skill takes this much longer than the motion.
+        least_apart: in a motion without a box the hands' desired distance is no less, m.
 
     Raises:
         SkillError, ScenarioError: settings that learning or the bands refuse.
@@ -108,21 +125,17 @@ def MakeTask(scenario: Scenario, source: Source, motion: TaskMotion, stretch: fl
         method=learning.method,
         alpha_z=learning.alpha_z,
         events={name: float(t) for name, t in motion.events.items()},
-        source=source.recording.source,
+        source=source.demonstration.source,
+        spread=MotionSpread(source, motion),
+        mobility=Mobility(scenario, source),
     )
     if stretch != 1.0:
         skill = replace(skill.with_duration(skill.tau * stretch), alpha_z=skill.alpha_z, beta_z=skill.beta_z)
-    events, width = skill.events, source.dimensions.box_width
-    squeeze = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
-    closing = CLOSING_SHARE * (events["grasp_end"] - events["grasp"])
-    wait = 0.5 * (events["grasp_end"] - events["grasp"] - closing)
-    hands = HandDistance(
-        open_m=width + 2.0 * scenario.task.clearance,
-        closed_m=width - 2.0 * squeeze,
-        close_s=events["grasp"] + wait,
-        open_s=events["release"] + wait,
-        duration_s=closing,
-    )
+    width = source.dimensions.box_width
+    if width is None:
+        hands = RecordedDistance(motion.t * stretch, DesiredApart(motion, least_apart))
+    else:
+        hands = BoxHands(scenario, skill, width)
     funnel = make_bands(
         source.dimensions.upper_arm,
         source.dimensions.forearm,
@@ -133,6 +146,51 @@ def MakeTask(scenario: Scenario, source: Source, motion: TaskMotion, stretch: fl
         rate=bands.rate,
     ).opened_to(skill.start)
     return Task(motion=motion, skill=skill, bands=funnel, box_width=width)
+
+
+def BoxHands(scenario: Scenario, skill: Skill, width: float) -> HandDistance:
+    """Hands that close on a box of a width, m, in the dwell at the grasp and open in that at the release."""
+    events = skill.events
+    squeeze = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
+    closing = CLOSING_SHARE * (events["grasp_end"] - events["grasp"])
+    wait = 0.5 * (events["grasp_end"] - events["grasp"] - closing)
+    return HandDistance(
+        open_m=width + 2.0 * scenario.task.clearance,
+        closed_m=width - 2.0 * squeeze,
+        close_s=events["grasp"] + wait,
+        open_s=events["release"] + wait,
+        duration_s=closing,
+    )
+
+
+def DesiredApart(motion: TaskMotion, least: float) -> np.ndarray:
+    """The person's own distance between the hands (N,), m, smoothly kept at `least` or above."""
+    return softly_at_least(link_lengths(motion.x)[:, HANDS], least, APART_BLEND)
+
+
+def MotionSpread(source: Source, motion: TaskMotion) -> np.ndarray | None:
+    """Standard deviation over several recordings at the motion's times (N, 6, 3), m; None with one recording."""
+    if source.together is None:
+        return None
+    t, spread = source.demonstration.t, source.together.spread
+    return make_interp_spline(t, spread, k=1)(np.clip(motion.recorded, t[0], t[-1]))
+
+
+def Mobility(scenario: Scenario, source: Source) -> np.ndarray | None:
+    """How readily the points give way (6,): given, by the recording's uncertainty, or None: the law's own.
+
+    Raises:
+        ScenarioError: the recording's uncertainty is asked for and there is none.
+    """
+    if scenario.bands.mobility is not None:
+        return np.array(scenario.bands.mobility)
+    if not scenario.bands.weigh_by_uncertainty:
+        return None
+    if source.demonstration.uncertainty is None:
+        raise ScenarioError(
+            "bands.weigh_by_uncertainty: cleaning found no uncertainty of the points; give bands.mobility"
+        )
+    return mobility_from_uncertainty(source.demonstration.uncertainty)
 
 
 def LawGains(scenario: Scenario) -> Any:

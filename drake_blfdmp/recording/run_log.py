@@ -27,11 +27,12 @@ class RunLog:
         q_lower, q_upper, v_limit, effort_limit: (14,) limits.
         palm, palm_desired: (N, 2, 7) poses X_WP as qw qx qy qz x y z.
         swivel, swivel_desired: (N, 2) rad.
-        palm_force: (N, 2) normal force of each palm on the box, N.
-        box: (N, 7) pose X_WB as qw qx qy qz x y z.
-        box_desired: (N, 7) where the plan has it.
+        palm_force: (N, 2) normal force of each palm on the box, N; 0 in a motion without a box.
+        box: (N, 7) pose X_WB as qw qx qy qz x y z; None in a motion without a box.
+        box_desired: (N, 7) where the plan has it; None without one.
         clearance: (N,) least distance between bodies that must not touch, m.
-        events: (name, time in s): grasp, lift, lower, release and so on.
+        events: (name, time in s): grasp, lift, lower, release and so on; start and end without a box.
+        spread: (N, 6, 3) standard deviation over the recordings the skill was learned from, m; None of one recording.
     """
 
     t: np.ndarray
@@ -56,7 +57,8 @@ class RunLog:
     swivel: np.ndarray
     swivel_desired: np.ndarray
     palm_force: np.ndarray
-    box: np.ndarray
-    box_desired: np.ndarray
+    box: np.ndarray | None
+    box_desired: np.ndarray | None
     clearance: np.ndarray
     events: tuple[tuple[str, float], ...] = ()
+    spread: np.ndarray | None = None

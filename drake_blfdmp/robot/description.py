@@ -17,8 +17,8 @@ from drake_blfdmp.robot.models import ModelsDirectory
 DRAKE = "{http://drake.mit.edu}"
 
 
-def MakeSceneDescription(box: BoxParameters, tables: Sequence[TableParameters]) -> str:
-    """URDF text of both arms on their pedestals, the tables and the box, in a tree below the link `world`."""
+def MakeSceneDescription(box: BoxParameters | None, tables: Sequence[TableParameters]) -> str:
+    """URDF text of both arms on their pedestals, the tables and the box, if any, in a tree below the link `world`."""
     scene = ET.Element("robot", name="dual_panda_scene")
     ET.SubElement(scene, "link", name="world")
     directory = ModelsDirectory()
@@ -35,10 +35,11 @@ def MakeSceneDescription(box: BoxParameters, tables: Sequence[TableParameters]) 
         x, y, z = table.top_center
         slab = _link(scene, table.name, (*table.size, table.thickness), WOOD_COLOR, -0.5 * table.thickness)
         _fix(scene, slab, f"{x} {y} {z}", "0 0 0")
-    name = _link(scene, "box", tuple(box.size), BOX_COLOR, 0.0)
-    joint = ET.SubElement(scene, "joint", name="box_free", type="floating")
-    ET.SubElement(joint, "parent", link="world")
-    ET.SubElement(joint, "child", link=name)
+    if box is not None:
+        name = _link(scene, "box", tuple(box.size), BOX_COLOR, 0.0)
+        joint = ET.SubElement(scene, "joint", name="box_free", type="floating")
+        ET.SubElement(joint, "parent", link="world")
+        ET.SubElement(joint, "child", link=name)
     ET.indent(scene)
     return '<?xml version="1.0"?>\n' + ET.tostring(scene, encoding="unicode") + "\n"
 

@@ -23,6 +23,7 @@ SPAN = np.array([0.5, 0.30, 0.80])
 SCALES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 SHIFTS = tuple(np.array([0.0, y, z]) for y in (0.0, 0.06, 0.12, -0.06) for z in (0.0, 0.1, -0.1))
 SAMPLES = 60
+REMEDY = "shorten timing.approach_s and timing.retreat_s, or use a smaller box"
 POSE_TOLERANCE = 2e-3
 JOINT_MARGIN = 0.09
 CLEARANCE = 0.02
@@ -100,8 +101,12 @@ def evaluate(
     x,
     retarget: Retarget,
     anchor: int,
+    samples: int = SAMPLES,
 ) -> Reach | None:
     """Try one retargeting on points x (N, 6, 3) at times t (N,); the rolls are chosen at sample `anchor`, the grasp.
+
+    Args:
+        samples: how many of the N, evenly, are followed beside the anchor.
 
     Returns:
         None where the arms cannot take the grasp at all.
@@ -113,17 +118,17 @@ def evaluate(
     rolls = retarget.rolls + palm_rolls(kinematics, q, pose[anchor])
     retarget = replace(retarget, rolls=rolls)
     pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget)
-    samples = np.unique(np.append(np.linspace(0, len(x) - 1, SAMPLES).round().astype(int), anchor))
-    middle = int(np.searchsorted(samples, anchor))
+    tried = np.unique(np.append(np.linspace(0, len(x) - 1, samples).round().astype(int), anchor))
+    middle = int(np.searchsorted(tried, anchor))
     give_up = 5.0 * POSE_TOLERANCE
-    back = follow(kinematics, limits, q, pose[samples[middle::-1]], swivel[samples[middle::-1]], give_up=give_up)
+    back = follow(kinematics, limits, q, pose[tried[middle::-1]], swivel[tried[middle::-1]], give_up=give_up)
     start = back.q[-1]
     if back.pose_error > give_up:
-        return Reach(retarget, start, back, samples, 0.0, np.inf)
-    following = follow(kinematics, limits, start, pose[samples], swivel[samples], give_up=give_up)
+        return Reach(retarget, start, back, tried, 0.0, np.inf)
+    following = follow(kinematics, limits, start, pose[tried], swivel[tried], give_up=give_up)
     clearance = min(checker.min_clearance(posture)[0] for posture in following.q[::2])
-    stretch = needed_stretch(np.asarray(t)[samples], following.q, limits)
-    return Reach(retarget, start, following, samples, clearance, stretch)
+    stretch = needed_stretch(np.asarray(t)[tried], following.q, limits)
+    return Reach(retarget, start, following, tried, clearance, stretch)
 
 
 def calmed(retarget: Retarget, share: float) -> Retarget:
@@ -147,6 +152,9 @@ def find_reach(
     world: np.ndarray | None = None,
     level: bool = True,
     elbow_up: bool = True,
+    shrink_hands: bool = False,
+    sample_rate_hz: float = 0.0,
+    remedy: str = REMEDY,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Reach:
     """The largest scale at which the whole motion is reachable in comfort, and for it the place that needs least speed.
@@ -157,13 +165,16 @@ def find_reach(
     Args:
         t: (N,) s.
         x: (N, 6, 3) motion in the torso frame, m.
-        anchor: index of the grasp.
+        anchor: index of the grasp, or of a posture to which the others are near.
         kinematics: of both arms.
         limits: of their joints.
         scale: fixed by the user; searched where None.
         world: (3,) fixed by the user, m; searched where None.
         level: as in `Retarget`.
         elbow_up: as in `Retarget`.
+        shrink_hands: the hands' distance may be scaled with the motion, as nothing is held between them.
+        sample_rate_hz: what is found on `SAMPLES` samples has to hold on so many a second, too.
+        remedy: what the error tells a person to do.
         progress: called with the share of the search that is done.
 
     Raises:
@@ -175,17 +186,23 @@ def find_reach(
     largest = float(np.min(SPAN / np.maximum(high - low, 1e-3)))
     checker = ClearanceChecker(max_distance=0.1)
     scales = [scale] if scale is not None else [s for s in SCALES if s <= max(largest, SCALES[-1])]
+    finer = int(sample_rate_hz * float(t[-1] - t[0]))
     best, nearest = None, None
     for c, calm in enumerate(CALM):
         for i, s in enumerate(scales):
             middle_now = 0.5 * (low + high) - person
             places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world)]
-            for j, place in enumerate(places):
-                retarget = calmed(Retarget(s, person, place, np.zeros(2), level, elbow_up), calm)
+            hand_scales = (1.0, s) if shrink_hands and s != 1.0 else (1.0,)
+            tries = [(place, hands) for hands in hand_scales for place in places]
+            for j, (place, hands) in enumerate(tries):
+                retarget = Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands)
+                retarget = calmed(retarget, calm)
                 reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor)
-                progress((c + (i + (j + 1) / len(places)) / len(scales)) / len(CALM))
+                progress((c + (i + (j + 1) / len(tries)) / len(scales)) / len(CALM))
                 if reach is None:
                     continue
+                if finer > SAMPLES and reach.sound and (best is None or _rank(reach) < _rank(best)):
+                    reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor, finer) or reach
                 nearest = max(nearest or reach, reach, key=lambda r: -r.following.pose_error)
                 if reach.sound and (best is None or _rank(reach) < _rank(best)):
                     best = reach
@@ -198,6 +215,8 @@ def find_reach(
         return best
     if nearest is None:
         distance = float(np.linalg.norm(x[anchor, 5] - x[anchor, 2]))
+        if shrink_hands:
+            raise TaskError(f"reach: the arms cannot hold their palms {distance:.2f} m apart as asked; {remedy}")
         raise TaskError(
             f"reach: the arms cannot take a box {distance:.2f} m wide anywhere in front of them; use a narrower box"
         )
@@ -205,5 +224,5 @@ def find_reach(
     raise TaskError(
         f"reach: no scale from {scales[0]:g} to {scales[-1]:g} makes the whole motion reachable (best: palms "
         f"{1000 * f.pose_error:.0f} mm off, joint margin {f.joint_margin:.2f} rad, clearance "
-        f"{nearest.clearance:.3f} m); shorten timing.approach_s and timing.retreat_s, or use a smaller box"
+        f"{nearest.clearance:.3f} m); {remedy}"
     )

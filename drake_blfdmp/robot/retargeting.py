@@ -1,7 +1,8 @@
 """From the person's six points to the arms: palm poses, palm twists and swivel angles.
 
 The person's torso frame is moved and scaled about the shoulders' midpoint; the distance between the hands is not
-scaled, so that the box keeps its width. Arms in the order left, right. World frame W: x to the right, y forward, z up.
+scaled with it, so that a box keeps its width. Arms in the order left, right. World frame W: x to the right, y forward,
+z up.
 """
 
 from dataclasses import dataclass
@@ -32,6 +33,7 @@ class Retarget:
         swing_out: up to the first angle (rad) the elbow swings out as far as the person's; beyond it less and less,
             never past the second. swing_in: the same towards the other arm, where the robot's elbows would meet.
         yaw: the same for the yaw of the line between the hands, either way.
+        hands_scale: of the distance between the hands; other than 1 only where they hold nothing.
     """
 
     scale: float
@@ -43,6 +45,7 @@ class Retarget:
     swing_out: tuple[float, float] = (np.deg2rad(45.0), np.deg2rad(70.0))
     swing_in: tuple[float, float] = (np.deg2rad(10.0), np.deg2rad(25.0))
     yaw: tuple[float, float] = (np.deg2rad(30.0), np.deg2rad(45.0))
+    hands_scale: float = 1.0
 
     def point(self, x):
         """A position (..., 3) of the torso frame in W."""
@@ -97,8 +100,9 @@ def hand_line(x, velocity, retarget: Retarget):
     """The line between the hands in W.
 
     Returns:
-        middle (..., 3), m; its velocity (..., 3); distance (...) and rate; yaw and pitch (...) of the line, left to
-        right, and their rates, rad and rad/s. Pitch is positive when the right hand is higher, 0 when levelled.
+        middle (..., 3), m; its velocity (..., 3); the palms' distance (...) and its rate; yaw and pitch (...) of the
+        line, left to right, and their rates, rad and rad/s. Pitch is positive when the right hand is higher, 0 when
+        levelled.
     """
     r, r_dot = x[..., 5, :] - x[..., 2, :], velocity[..., 5, :] - velocity[..., 2, :]
     middle = retarget.point(0.5 * (x[..., 5, :] + x[..., 2, :]))
@@ -110,12 +114,13 @@ def hand_line(x, velocity, retarget: Retarget):
     yaw = np.arctan2(r[..., 1], r[..., 0])
     yaw, slope = softly_limited(yaw, retarget.yaw)
     yaw_rate = slope * (r[..., 0] * r_dot[..., 1] - r[..., 1] * r_dot[..., 0]) / flat2
+    apart, apart_rate = retarget.hands_scale * distance, retarget.hands_scale * rate
     if retarget.level:
-        return middle, middle_velocity, distance, rate, yaw, yaw_rate, 0.0 * yaw, 0.0 * yaw
+        return middle, middle_velocity, apart, apart_rate, yaw, yaw_rate, 0.0 * yaw, 0.0 * yaw
     pitch = np.arctan2(r[..., 2], flat)
     flat_rate = (r[..., 0] * r_dot[..., 0] + r[..., 1] * r_dot[..., 1]) / flat
     pitch_rate = (flat * r_dot[..., 2] - r[..., 2] * flat_rate) / distance**2
-    return middle, middle_velocity, distance, rate, yaw, yaw_rate, pitch, pitch_rate
+    return middle, middle_velocity, apart, apart_rate, yaw, yaw_rate, pitch, pitch_rate
 
 
 def line_frame(yaw, pitch):

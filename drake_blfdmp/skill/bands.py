@@ -11,7 +11,7 @@ import numpy as np
 from drake_blfdmp.errors import ScenarioError
 from drake_blfdmp.skeleton import HANDS, LINKS
 from drake_blfdmp.skill.geometry import link_vectors
-from drake_blfdmp.skill.profiles import ConstantDistance, HandDistance
+from drake_blfdmp.skill.profiles import ConstantDistance, HandDistance, RecordedDistance
 
 LOWER, UPPER, LOWER_RATE, UPPER_RATE, LOWER_ACCELERATION, UPPER_ACCELERATION = range(6)
 
@@ -35,7 +35,7 @@ class Bands:
     """
 
     bones: np.ndarray
-    hands: HandDistance | ConstantDistance
+    hands: HandDistance | ConstantDistance | RecordedDistance
     initial: np.ndarray
     final: np.ndarray
     rate: float | np.ndarray = 3.0
@@ -82,7 +82,7 @@ class Bands:
 def make_bands(
     upper_arm: float,
     forearm: float,
-    hands: HandDistance | ConstantDistance,
+    hands: HandDistance | ConstantDistance | RecordedDistance,
     *,
     bone_half_width: float = 0.01,
     hands_half_width: float = 0.01,

@@ -17,7 +17,7 @@ from drake_blfdmp.skeleton import HANDS
 from drake_blfdmp.skill.bands import Bands
 from drake_blfdmp.skill.laws import gams
 from drake_blfdmp.skill.laws.gams import GamsGains
-from drake_blfdmp.skill.profiles import ConstantDistance, HandDistance
+from drake_blfdmp.skill.profiles import ConstantDistance, HandDistance, RecordedDistance
 from drake_blfdmp.skill.rollout import Rollout, roll_out
 from drake_blfdmp.skill.skill import Skill
 
@@ -28,7 +28,7 @@ class SampledDistance:
     Between samples r is a cubic spline, so that the coupling's C' has its derivative; after the last it is held.
     """
 
-    def __init__(self, base: HandDistance | ConstantDistance, t, reference):
+    def __init__(self, base: HandDistance | ConstantDistance | RecordedDistance, t, reference):
         """Of a reference (N,), m, at increasing times (N,), s.
 
         Raises:

@@ -23,6 +23,8 @@ def learn_skill(
     gamma: float = DEFAULT_GAMMA,
     events: Mapping[str, float] | None = None,
     source: str = "",
+    spread: np.ndarray | None = None,
+    mobility: np.ndarray | None = None,
 ) -> Skill:
     """Fit the forcing terms of all six points to a demonstration: (3) with the target (4).
 
@@ -34,6 +36,9 @@ def learn_skill(
         method: "ridge" (all basis functions at once) or "lwr" (locally weighted regression, the paper's).
         alpha_z: gain of (1); by default 10 tau, so that the spring's rate alpha_z / (2 tau) is 5 rad/s whatever the
             duration. beta_z = alpha_z / 4: critically damped.
+        spread: (N, 6, 3) standard deviation at t over the recordings whose mean x is, m; kept 10 times a second or at
+            101 times. The fit of the mean is the weighted least-squares fit of all recordings (`docs/learning.md`).
+        events, source, mobility: kept in the skill.
 
     Raises:
         SkillError: too few samples or basis functions, or an unknown method.
@@ -70,4 +75,15 @@ def learn_skill(
         gamma=gamma,
         events=dict(events or {}),
         source=source,
+        spread=None if spread is None else _evenly(t, np.asarray(spread, dtype=float)),
+        mobility=mobility,
+    )
+
+
+def _evenly(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (N, 6, 3) at times (N,) sampled as a skill keeps its spread."""
+    if values.shape != (len(t), 6, 3):
+        raise SkillError(f"learning: the spread has shape {values.shape}, expected {(len(t), 6, 3)}")
+    return make_interp_spline(t, values, k=1)(
+        np.linspace(t[0], t[-1], max(101, int(np.ceil(10.0 * (t[-1] - t[0]))) + 1))
     )

@@ -11,12 +11,38 @@ has zero length and every mobility is positive. Arrays broadcast; float, AutoDif
 
 import numpy as np
 
-from drake_blfdmp.skeleton import HANDS, LINKS
+from drake_blfdmp.errors import SkillError
+from drake_blfdmp.skeleton import HANDS, LINKS, POINTS
 from drake_blfdmp.skill.geometry import link_states, link_vectors
 from drake_blfdmp.vectors import dot
 
 DEFAULT_MOBILITY = np.array([0.2, 0.5, 1.0, 0.2, 0.5, 1.0])
 """Shoulders move least, hands most: the order of the measuring errors in the paper's Fig. 2."""
+
+
+MOST_UNEQUAL = 10.0
+"""The largest factor of `mobility_from_uncertainty` above and below its geometric mean."""
+
+LEAST_UNCERTAINTY = 1e-3
+"""m; what skin and shoulder girdle do is more, and a body model's error has no meaning."""
+
+
+def mobility_from_uncertainty(uncertainty):
+    """Mobilities of points whose errors have standard deviations `uncertainty` (..., 6), m: their squares.
+
+    For independent errors with covariances sigma_p^2 I, the positions that meet the links with the least sum of
+    |Delta_p|^2 / sigma_p^2 are the most probable ones, and of all linear corrections have the least variance: that is
+    W = sigma_p^2 (`docs/learning.md`). Only ratios count, so the geometric mean is made 1; what lies farther than
+    MOST_UNEQUAL from it is held there, for an estimate is not so sure, and errors below LEAST_UNCERTAINTY count alike.
+
+    Raises:
+        SkillError: not six numbers, or one negative or not finite.
+    """
+    sigma = np.asarray(uncertainty, dtype=float)
+    if sigma.shape[-1:] != (len(POINTS),) or not np.all(np.isfinite(sigma) & (sigma >= 0)):
+        raise SkillError("mobility: needs 6 standard deviations, none negative, all finite; one for each point")
+    size = np.log(np.maximum(sigma, LEAST_UNCERTAINTY))
+    return np.clip(np.exp(2.0 * (size - size.mean(axis=-1, keepdims=True))), 1.0 / MOST_UNEQUAL, MOST_UNEQUAL)
 
 
 def needs(x, velocity, nominal_acceleration, link_acceleration):

@@ -79,7 +79,8 @@ def steps(
     Args:
         time_step: s; samples: their number, the first at t = 0.
         bands: needed by every law but `none`, which is used when there are none.
-        law: one of `skill.laws`; gains: of that law, its defaults if None.
+        law: one of `skill.laws`; gains: of that law, its defaults if None. The skill's mobility goes to the default
+            law, the only one that has it.
         start, goal: (..., 6, 3) m, the skill's own by default; leading axes make a batch. A goal may move in time.
         tau: time scale, s, the skill's own by default; (..., 1, 1) gives every member of a batch its own.
     """
@@ -93,6 +94,8 @@ def steps(
     v, previous = np.zeros_like(x), np.zeros_like(x)
     matrices = step_matrices(time_step, tau, skill.alpha_z, skill.beta_z)
     options = {} if gains is None else {"gains": gains}
+    if law is default and skill.mobility is not None:
+        options["mobility"] = np.asarray(skill.mobility, dtype=float)
     for k in range(samples):
         t = k * time_step
         velocity = v / tau

@@ -27,6 +27,10 @@ class Skill:
         alpha_z, beta_z: gains of (1).
         events: named times, s, on the skill's clock (for example grasp and release); they scale with the duration.
         source: what it was learned from.
+        spread: (M, 6, 3) standard deviation over several recordings of the task, m, at M times spaced evenly from 0 to
+            tau, so that it scales with the duration; None when learned from one recording.
+        mobility: (6,) how readily each point gives way to the default law; only the ratios count. None leaves it to the
+            law.
     """
 
     weights: np.ndarray
@@ -40,6 +44,8 @@ class Skill:
     gamma: float = DEFAULT_GAMMA
     events: dict[str, float] = field(default_factory=dict)
     source: str = ""
+    spread: np.ndarray | None = None
+    mobility: np.ndarray | None = None
 
     def __post_init__(self):
         n = len(self.centers)
@@ -53,10 +59,29 @@ class Skill:
         for name in ("tau", "gamma", "alpha_z", "beta_z"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
                 raise SkillError(f"skill: {name} must be a positive number, not {getattr(self, name)}")
+        if self.spread is not None:
+            spread = np.asarray(self.spread)
+            if spread.ndim != 3 or len(spread) < 2 or spread.shape[1:] != (6, 3):
+                raise SkillError(f"skill: spread has shape {spread.shape}, expected (2 or more, 6, 3)")
+            if not np.all(np.isfinite(spread) & (spread >= 0)):
+                raise SkillError("skill: spread holds a number that is negative or not finite")
+        if self.mobility is not None:
+            mobility = np.asarray(self.mobility)
+            if mobility.shape != (6,) or not np.all(np.isfinite(mobility) & (mobility > 0)):
+                raise SkillError("skill: mobility must be 6 positive numbers, one for each point")
 
     def forcing(self, s):
         """f(s) of all points: (..., 18) for a phase of shape (...)."""
         return forcing(s, self.weights.reshape(len(self.centers), 18), self.centers, self.widths)
+
+    def spread_at(self, t) -> np.ndarray | None:
+        """The spread (..., 6, 3), m, at times t (...), s, on the skill's clock, held after its end; or None."""
+        if self.spread is None:
+            return None
+        place = np.clip(np.asarray(t) / self.tau, 0.0, 1.0) * (len(self.spread) - 1)
+        before = np.minimum(place.astype(int), len(self.spread) - 2)
+        share = (place - before)[..., None, None]
+        return (1.0 - share) * self.spread[before] + share * self.spread[before + 1]
 
     def with_duration(self, tau: float) -> "Skill":
         """The same path in another time; events move along."""
@@ -93,6 +118,10 @@ class Skill:
             "widths": self.widths.tolist(),
             "weights": self.weights.tolist(),
         }
+        # Only where there is one: a skill of one recording is the same file as ever.
+        for name, value in (("spread_m", self.spread), ("mobility", self.mobility)):
+            if value is not None:
+                document[name] = np.asarray(value).tolist()
         try:
             with Path(path).open("x", encoding="utf-8") as file:
                 json.dump(document, file, indent=1)
@@ -132,8 +161,14 @@ class Skill:
                 gamma=float(document["gamma"]),
                 events={str(name): float(t) for name, t in document["events_s"].items()},
                 source=str(document["source"]),
+                spread=_optional(document, "spread_m"),
+                mobility=_optional(document, "mobility"),
             )
         except SkillError as error:
             raise SkillError(f"{path}: {error}") from error
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise SkillError(f"{path}: the skill is incomplete or damaged ({error})") from error
+
+
+def _optional(document: dict, name: str) -> np.ndarray | None:
+    return np.array(document[name], dtype=float) if document.get(name) is not None else None

@@ -28,7 +28,7 @@ def DistanceBands_(T):
         so they slow down with it. `bands` (30): lower (5), upper (5), then their first and second derivatives in the
         same way (m, m/s, m/s^2), links as in `skeleton.LINKS`. `tempo` (1) must be what drives the canonical
         system; it scales the derivatives and is taken to vary slowly.
-        Template parameters: float, AutoDiffXd, Expression.
+        Template parameters: float, AutoDiffXd, Expression; the bands of a recorded distance have no symbolic form.
         """
 
         def _construct(self, *, bands: Bands, tau, gamma=DEFAULT_GAMMA, converter=None):
@@ -38,7 +38,9 @@ def DistanceBands_(T):
             self._functions, self._tau, self._gamma = bands, tau, gamma
             self._phase = self.DeclareVectorInputPort("phase", 1)
             self._tempo = self.DeclareVectorInputPort("tempo", 1)
-            self._bands = self.DeclareVectorOutputPort("bands", 30, self._calc_bands)
+            # Stated, so that Drake need not try the symbolic form to find it: not every profile has one.
+            sources = {self.input_port_ticket(port.get_index()) for port in (self._phase, self._tempo)}
+            self._bands = self.DeclareVectorOutputPort("bands", 30, self._calc_bands, sources)
 
         def _construct_copy(self, other, converter=None):
             Impl._construct(self, **other._parameters, converter=converter)

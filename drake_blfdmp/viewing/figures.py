@@ -21,6 +21,12 @@ FIGURES: Mapping[str, Callable[[RunLog], Figure]] = {
 }
 """File name without its ending -> the function that makes the figure."""
 
+OF_THE_BOX = ("contact_forces", "box_height_tilt")
+"""Those of `FIGURES` that a motion without a box has not."""
+
+SPREAD = "spread"
+"""The figure, and its file's name, of a skill that was learned from several recordings."""
+
 _SAMPLED = {  # Shape of one sample of each signal the figures show.
     "position": (6, 3),
     "uncoupled": (6, 3),
@@ -31,21 +37,20 @@ _SAMPLED = {  # Shape of one sample of each signal the figures show.
     "q": (14,),
     "q_desired": (14,),
     "palm_force": (2,),
-    "box": (7,),
-    "box_desired": (7,),
     "swivel": (2,),
     "swivel_desired": (2,),
 }
+_NOT_ALWAYS = {"box": (7,), "box_desired": (7,), "spread": (6, 3)}  # None where the run has none.
 
 
 def write_figures(log: RunLog, directory: Path) -> list[Path]:
-    """Writes all `FIGURES` of a run as PNG files; the same log gives the same bytes.
+    """Writes all `FIGURES` of a run as PNG files, but what it has no signals for; the same log gives the same bytes.
 
     Args:
-        log: the run.
+        log: the run; where its skill was learned from several recordings, their spread is drawn, too.
         directory: where to write; made when it does not exist.
 
-    Returns: the files' paths, in the order of `FIGURES`.
+    Returns: the files' paths, in the order of `FIGURES`, then that of `SPREAD`.
 
     Raises:
         RecordingError: a signal of the log has not the shape `RunLog` states.
@@ -54,7 +59,11 @@ def write_figures(log: RunLog, directory: Path) -> list[Path]:
     check_log(log)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        return [style.save(make(log), directory / f"{name}.png") for name, make in FIGURES.items()]
+        left_out = OF_THE_BOX if log.box is None else ()
+        figures = {name: make(log) for name, make in FIGURES.items() if name not in left_out}
+        if log.spread is not None:
+            figures[SPREAD] = skill_figures.spread(log, log.spread)
+        return [style.save(figure, directory / f"{name}.png") for name, figure in figures.items()]
     except OSError as error:
         raise BlfDmpError(
             f"figures cannot be written to {directory}: {error.strerror or error}; name another directory"
@@ -66,7 +75,8 @@ def check_log(log: RunLog) -> None:
     t = np.asarray(log.t)
     if t.ndim != 1 or len(t) < 2 or not np.all(np.diff(t) > 0):
         raise RecordingError(f"run log: t must be 2 or more growing times in s, not an array of {t.shape}; rerun")
-    for name, shape in _SAMPLED.items():
+    present = {name: shape for name, shape in _NOT_ALWAYS.items() if getattr(log, name) is not None}
+    for name, shape in (_SAMPLED | present).items():
         found = np.shape(getattr(log, name))
         if found != (len(t), *shape):
             raise RecordingError(f"run log: {name} has shape {found}, expected {(len(t), *shape)}; rerun")

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
+from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.recording.run_log import RunLog
 from drake_blfdmp.viewing import style
 
@@ -69,7 +70,13 @@ def contact_forces(log: RunLog) -> Figure:
 
 @style.styled
 def box_height_tilt(log: RunLog) -> Figure:
-    """Height of the box's origin beside the plan's, and the angle of its up axis to the planned one."""
+    """Height of the box's origin beside the plan's, and the angle of its up axis to the planned one.
+
+    Raises:
+        RecordingError: the run has no box.
+    """
+    if log.box is None or log.box_desired is None:
+        raise RecordingError("run log: a motion without a box has no height of one; draw another figure")
     figure = Figure(figsize=(style.COLUMN, 3.2))
     height, tilt = figure.subplots(2, 1, sharex=True)
     height.plot(log.t, log.box[:, 6], color=style.BLUE, linewidth=1.4, label="box")

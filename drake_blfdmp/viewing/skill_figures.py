@@ -20,6 +20,11 @@ _PANELS = (  # Title, links shown together (indices into LINKS).
 _LINK_COLOURS = {"upper arm": style.BLUE, "forearm": style.PURPLE, "hands": style.GREEN}
 _DESIRED: dict[str, Any] = style.PLANNED | {"linewidth": 0.7, "zorder": 1.8}
 _MARKERS = {"shoulder": "s", "elbow": "D", "wrist": "o"}
+_POINT_LOOKS: dict[str, dict[str, Any]] = {
+    "shoulder": {"color": style.BLUE, "linestyle": (0, (1, 1))},
+    "elbow": {"color": style.VERMILLION, "linestyle": (0, (4, 1.2))},
+    "wrist": {"color": style.GREEN, "linestyle": "-"},
+}
 _LINK_STYLES = {"upper arm": "-", "forearm": (0, (5, 1)), "hands": "-"}
 
 
@@ -178,3 +183,32 @@ def _draw_skeletons(axis: Axes, position: np.ndarray, shown: list[int], horizont
                 linestyle="none",
                 zorder=5,
             )
+
+
+@style.styled
+def spread(log: RunLog, sigma: np.ndarray) -> Figure:
+    """The mean of several recordings with one standard deviation to either side; `sigma` is (N, 6, 3), m."""
+    figure = Figure(figsize=(style.PAGE, 3.6))
+    axes = figure.subplots(2, 3, sharex=True)
+    labels = ("x, to the right (m)", "y, forward (m)", "z, up (m)")
+    for row, arm in enumerate(("left", "right")):
+        for column, label in enumerate(labels):
+            axis = axes[row, column]
+            for kind, look in _POINT_LOOKS.items():
+                point = POINTS.index(f"{arm}_{kind}")
+                mean, width = log.demonstrated[:, point, column], sigma[:, point, column]
+                axis.fill_between(log.t, mean - width, mean + width, facecolor=look["color"], alpha=0.22, linewidth=0)
+                axis.plot(log.t, mean, linewidth=1.2, label=kind, **look)
+            if row == 1:
+                style.finish_time_axis(axis, log.t)
+            axis.set_ylabel(f"{arm} arm\n{label}" if column == 0 else label)
+    for column in (1, 2):  # To the front and upwards both arms do alike; sideways they mirror each other.
+        edges = [log.demonstrated[..., column] + sign * sigma[..., column] for sign in (-1.0, 1.0)]
+        for axis in axes[:, column]:
+            axis.set_ylim(style.finite_range(*edges))
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    band = Patch(facecolor=style.DARK, alpha=0.22, linewidth=0)
+    figure.legend(
+        [*handles, band], [*names, "one standard deviation to either side"], loc="outside upper center", ncols=4
+    )
+    return figure

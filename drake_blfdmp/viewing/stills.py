@@ -57,11 +57,12 @@ class PlannedScene:
         self._query = scene_graph.get_query_output_port()
         self._shapes = SceneShapes(scene_graph.model_inspector())
 
-    def at(self, q, box) -> Triangles:
-        """Everything with the arms at q (14,), rad, and the box at X_WB (7,) qw qx qy qz x y z."""
+    def at(self, q, box=None) -> Triangles:
+        """Everything with the arms at q (14,), rad, and the box, if there is one, at X_WB (7,) qw qx qy qz x y z."""
         for arm, angles in zip(self._arms, np.split(np.asarray(q), 2), strict=True):
             self._plant.SetPositions(self._plant_context, arm, angles)
-        self._plant.SetFreeBodyPose(self._plant_context, self._box, rigid(box))
+        if self._box is not None:
+            self._plant.SetFreeBodyPose(self._plant_context, self._box, rigid(box))
         return self._shapes.posed(self._query.Eval(self._scene_context))
 
 

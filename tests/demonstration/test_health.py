@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 from synthetic_carry import BOX, FOREARM, UPPER_ARM, carry, recording
+from waving import recorded, wave
 
 from drake_blfdmp.demonstration.health import clock_health, examine, lengths_health
 from drake_blfdmp.skeleton import POINTS
@@ -81,6 +82,7 @@ def test_a_recording_that_cleaning_refuses_still_gets_its_report():
     x[:, POINTS.index("right_elbow")] = np.nan
     examined = examine(recording(T, x))
     assert examined.demonstration is None and not examined.health.suitable
+    assert examined.health.settings == ()  # What cannot be cleaned cannot be played either.
     assert examined.health.reasons[0].startswith("right_elbow is missing in every frame")
     assert "left_forearm" in examined.health.lengths
 
@@ -91,6 +93,7 @@ def test_one_hand_that_carries_alone_is_named():
     health = examine(recording(T, x)).health
     assert not health.suitable and health.holding is None
     assert any("one hand carries" in reason for reason in health.reasons)
+    assert health.settings == ("task.kind=motion",)
 
 
 def test_a_box_too_wide_for_the_arms_is_refused_with_its_width():
@@ -105,3 +108,14 @@ def test_a_box_too_wide_for_the_arms_is_refused_with_its_width():
 def test_the_report_is_plain_json():
     text = json.dumps(examine(recording(T, X)).health.as_dict(), allow_nan=False)
     assert json.loads(text)["clock"]["rate_hz"] == pytest.approx(30.0)
+
+
+def test_a_motion_in_which_nothing_is_held_is_suggested_as_one():
+    health = examine(recorded(*wave())).health
+    assert not health.suitable and health.holding is None
+    assert health.settings == ("task.kind=motion",)
+    assert all("task.kind" not in reason for reason in health.reasons)
+
+
+def test_of_a_long_motion_as_much_is_suggested_as_may_be_played():
+    assert examine(recorded(*wave(duration_s=130.0))).health.settings == ("task.kind=motion", "task.held=[0, 120]")

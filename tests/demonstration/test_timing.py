@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from drake_blfdmp.demonstration.demonstration import Demonstration
 from drake_blfdmp.demonstration.holding import Holding
 from drake_blfdmp.demonstration.smoothing import smooth
-from drake_blfdmp.demonstration.timing import Timing, ramp, rest_to_rest, task_motion
+from drake_blfdmp.demonstration.timing import LONGEST_MOTION_S, Timing, free_motion, ramp, rest_to_rest, task_motion
 from drake_blfdmp.errors import ScenarioError
 
 lengths = st.floats(0.05, 20.0)
@@ -160,3 +160,32 @@ def test_what_must_not_be_negative_is_named(demonstration, name):
 def test_a_box_held_for_an_instant_is_refused(demonstration):
     with pytest.raises(ScenarioError, match=r"held for 0\.20 s only"):
         task_motion(demonstration, Holding(2.0, 2.2, 0.3), TIMING)
+
+
+def test_without_a_box_an_interval_is_played_in_one_go_from_rest_to_rest(demonstration):
+    motion = free_motion(demonstration, 1.0, 6.0, TIMING, cutoff_hz=3.0)
+    assert motion.events == {"start": 0.4, "end": pytest.approx(0.4 + 5.0 + TIMING.ramp_s)}
+    assert motion.t[-1] == pytest.approx(5.0 + TIMING.ramp_s + 2 * TIMING.rest_s, abs=0.006)
+    before, after = motion.t <= 0.4, motion.t >= motion.events["end"]
+    np.testing.assert_allclose(motion.recorded[before], 1.0, atol=1e-12)
+    np.testing.assert_allclose(motion.recorded[after], 6.0, atol=1e-9)
+    speed = np.diff(motion.recorded) * 100.0
+    assert speed.min() >= -1e-9 and speed.max() <= 1.0 + 1e-6
+    cruising = (motion.t[1:] > 0.4 + 0.7) & (motion.t[1:] < motion.events["end"] - 0.7)
+    np.testing.assert_allclose(speed[cruising], 1.0, atol=1e-6)  # No dwell anywhere between.
+    smoothed = smooth(demonstration.t, demonstration.x, 3.0)
+    shown = np.stack([np.interp(motion.recorded, demonstration.t, c) for c in smoothed.reshape(-1, 18).T], axis=-1)
+    np.testing.assert_allclose(motion.x.reshape(-1, 18), shown, atol=1e-3)
+
+
+def test_without_a_box_speed_shortens_the_motion(demonstration):
+    motion = free_motion(demonstration, 1.0, 6.0, replace(TIMING, speed=2.0))
+    assert motion.events["end"] - motion.events["start"] == pytest.approx(2.5 + TIMING.ramp_s)
+
+
+@pytest.mark.parametrize(("start", "end"), [(1.0, 1.2), (0.0, LONGEST_MOTION_S + 0.1), (5.0, 2.0)])
+def test_a_motion_too_short_or_too_long_is_refused_in_one_line(demonstration, start, end):
+    with pytest.raises(ScenarioError, match=r"^motion: [^\n]* must be 0\.3 to 120 s; choose [^\n]*task\.held[^\n]*$"):
+        free_motion(demonstration, start, end, TIMING)
+    with pytest.raises(ScenarioError, match=r"timing\.speed must be positive"):
+        free_motion(demonstration, 1.0, 6.0, replace(TIMING, speed=0.0))

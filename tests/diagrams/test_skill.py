@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.autodiffutils import AutoDiffXd
@@ -48,9 +50,9 @@ ON_POINTS = UNCOUPLED | {
 }
 
 
-def built(**options):
+def built(skill=SKILL, **options):
     builder = DiagramBuilder()
-    systems = AddSkill(builder, SKILL, BANDS, **options)
+    systems = AddSkill(builder, skill, BANDS, **options)
     return builder.Build(), systems
 
 
@@ -102,6 +104,17 @@ def test_the_discrete_diagram_is_the_batch_rollout(law):
     tolerance = 1e-12 if law in ("default", "none") else 1e-9
     np.testing.assert_allclose(x, r.x, atol=tolerance)
     np.testing.assert_allclose(velocity, r.velocity, atol=10 * tolerance)
+
+
+@pytest.mark.parametrize("mobility", [[1.0, 1.0, 1.0, 1.0, 1.0, 1.0], [3.0, 0.1, 0.5, 0.02, 2.0, 8.0]])
+def test_the_weights_of_the_points_are_the_same_in_the_diagram_and_in_the_rollout(mobility):
+    weighed = replace(SKILL, mobility=np.array(mobility))
+    times = DT * np.arange(0, 301)
+    x, velocity = positions(*built(skill=weighed, time_step=DT), times)
+    rollouts = [roll_out(skill, time_step=DT, duration=times[-1], bands=BANDS) for skill in (weighed, SKILL)]
+    np.testing.assert_allclose(x, rollouts[0].x, atol=1e-12)
+    np.testing.assert_allclose(velocity, rollouts[0].velocity, atol=1e-11)
+    assert np.abs(rollouts[0].x - rollouts[1].x).max() > 1e-3
 
 
 @pytest.mark.parametrize(("law", "time_step"), [("none", 0.004), ("default", 0.0005)])

@@ -75,3 +75,28 @@ def test_every_miss_is_told():
 def test_other_thresholds_judge_otherwise():
     assert find_failures(GOOD, Thresholds(lifted_m=0.3))
     assert not find_failures(changed("box", "max_tilt_deg", 7.0), Thresholds(tilt_deg=8.0))
+
+
+MOTION = {
+    "links": GOOD["links"],
+    "plan": {"lift_m": None},
+    "box": None,
+    "robot": {**GOOD["robot"], "palm_tracking_rms_m": 0.0004},
+}
+
+
+def test_without_a_box_the_palms_have_to_follow():
+    assert find_failures(MOTION) == []
+    off = {**MOTION, "robot": {**MOTION["robot"], "palm_tracking_rms_m": 0.0123}}
+    (sentence,) = find_failures(off)
+    assert "12.3 mm off the plan" in sentence and "more than 10 mm" in sentence
+    assert find_failures(off, Thresholds(tracking_m=0.02)) == []
+    assert find_failures({**off, "box": GOOD["box"], "plan": GOOD["plan"]}) == []  # A squeeze keeps palms off theirs.
+
+
+def test_without_a_box_links_joints_and_clearance_count_as_ever():
+    broken = copy.deepcopy(MOTION)
+    broken["links"]["hands"] = {"violations": 1, "largest_excess_m": 0.001}
+    broken["robot"] |= {"min_joint_margin_rad": -0.1, "max_velocity_ratio": 1.2, "max_effort_ratio": 1.0}
+    broken["robot"]["min_clearance_m"] = -0.001
+    assert len(find_failures(broken)) == 5

@@ -39,5 +39,6 @@ def test_the_documented_thresholds_are_those_in_force():
         f"at least {thresholds.lifted_m:.2f} m",
         f"within {1000 * thresholds.placement_m:.0f} mm",
         f"more than {thresholds.tilt_deg:.0f} degrees",
+        f"within {1000 * thresholds.tracking_m:.0f} mm, root mean square",
     ):
         assert text in DOCUMENT

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.planning.plan import BelowPalms, MakePlan
+from drake_blfdmp.planning.plan import BelowPalms, MakePlan, ShiftWindow
 from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
 from drake_blfdmp.planning.squeeze import LARGEST_FORCE, SqueezeDepth
 from drake_blfdmp.robot.clearance import ClearanceChecker
@@ -141,3 +141,19 @@ def test_the_squeeze_gives_the_force_that_was_asked_for(default_plan):
         forces.append(2.0 * depth / sum(1.0 / k for k in stiffness))
     np.testing.assert_allclose(np.mean(forces), 40.0)
     assert SqueezeDepth(plant, postures, 500.0) * max(forces) / depth == pytest.approx(LARGEST_FORCE)
+
+
+def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is_during_the_whole_carry(default_plan):
+    task, rollout = default_plan.task, default_plan.coupled
+    events, (grasped, released) = task.skill.events, task.held
+    share = np.clip((rollout.t - grasped) / (released - grasped), 0.0, 1.0)
+
+    def window(height):
+        x = rollout.x.copy()
+        x[:, [2, 5], 2] = height[:, None]
+        return ShiftWindow(replace(rollout, x=x), task, False)
+
+    start, end = window(0.2 * share + 0.3 * np.sin(np.pi * share))
+    assert events["grasp_end"] < start < end < events["release"]
+    for straight in (share, -share):  # Straight up on to a shelf, or straight down from one.
+        assert window(straight) == (events["grasp_end"], events["release"])

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drake_blfdmp.demonstration.cleaning import CleaningOptions
 from drake_blfdmp.errors import ScenarioError
 from drake_blfdmp.planning.scenario import (
     ApplySetting,
@@ -69,6 +70,16 @@ def test_settings_apply_in_order_over_the_file(tmp_path):
         ("task.place_offset=[0, -0.1, 0]", lambda s: s.task.place_offset, [0.0, -0.1, 0.0]),
         ("retarget.level=false", lambda s: s.retarget.level, False),
         ("timing.dwell_s=2", lambda s: s.timing.dwell_s, 2.0),
+        ("recording.also=[b.csv, c.csv]", lambda s: s.recording.also, ["b.csv", "c.csv"]),
+        ("recording.also=b.csv", lambda s: s.recording.also, ["b.csv"]),
+        ("recording.weights=[1, 2.5]", lambda s: s.recording.weights, [1.0, 2.5]),
+        ("recording.time_unit=100ns", lambda s: s.recording.time_unit, "100ns"),
+        ("recording.rate_hz=25", lambda s: s.recording.rate_hz, 25.0),
+        ("recording.body=2", lambda s: s.recording.body, "2"),
+        ("recording.body='7'", lambda s: s.recording.body, "7"),
+        ("recording.cleaning.max_gap_s=0.5", lambda s: s.recording.cleaning.max_gap_s, 0.5),
+        ("synthetic.takes=3", lambda s: s.synthetic.takes, 3),
+        ("bands.weigh_by_uncertainty=true", lambda s: s.bands.weigh_by_uncertainty, True),
         ("learning.basis_functions=77", lambda s: s.learning.basis_functions, 77),
     ],
 )
@@ -120,6 +131,12 @@ def test_a_file_without_keys_is_refused(tmp_path, text):
     assert "must hold keys and values" in refused(loaded, tmp_path, text)
 
 
+@pytest.mark.parametrize("value", ["[" * 3000, "[" * 3000 + "]" * 3000, "{a: " * 3000])
+def test_brackets_nested_too_deeply_are_refused_in_one_line(tmp_path, value):
+    assert "brackets are nested too deeply" in refused(ApplySetting, Scenario(), f"box.mass={value}")
+    assert "brackets are nested too deeply" in refused(loaded, tmp_path, f"box: {value}")
+
+
 def test_a_file_that_is_not_yaml_or_not_there_is_refused_by_name(tmp_path):
     assert "is not YAML" in refused(loaded, tmp_path, "a: [1,\n b: }")
     assert "scenario.yaml" in refused(loaded, tmp_path, "a: [1,\n b: }")
@@ -134,6 +151,8 @@ def test_a_file_that_is_not_yaml_or_not_there_is_refused_by_name(tmp_path):
         ("law=magic", "law is 'magic'; choose one of"),
         ("learning.method=magic", "learning.method is 'magic'; choose one of ridge, lwr|lwr, ridge"),
         ("recording.frame=moon", "choose one of torso, world"),
+        ("task.kind=juggle", "task.kind is 'juggle'; choose one of hold, motion"),
+        ("synthetic.sensor=radar", "synthetic.sensor is 'radar'; choose one of steady, kinect_v1, kinect_v2"),
         ("box.mass=0", "box.mass must be positive"),
         ("box.mass=.nan", "box.mass must be positive"),
         ("box.width=-0.1", "box.width must be positive"),
@@ -155,6 +174,11 @@ def test_a_file_that_is_not_yaml_or_not_there_is_refused_by_name(tmp_path):
         ("recording.frames=[1]", "recording.frames must have 2 numbers, not 1"),
         ("learning.basis_functions=1", "learning.basis_functions must be at least 2"),
         ("task.grasp_above=0.09", "task.grasp_above is 0.09 m"),
+        ("synthetic.takes=0", "synthetic.takes must be at least 1"),
+        ("recording.also=[b.csv]", "recording.also goes with recording.file"),
+        ("recording.weights=[1, 1]", "recording.weights must have 1 numbers, one for each recording, not 2"),
+        ("recording.weights=[-1]", "recording.weights[0] must be positive"),
+        ("recording.rate_hz=0", "recording.rate_hz must be positive"),
     ],
 )
 def test_a_value_out_of_range_is_named_with_what_is_allowed(tmp_path, setting, expected):
@@ -192,6 +216,20 @@ def test_two_scenarios_share_no_list():
     first, second = Scenario(), Scenario()
     first.task.place_offset[0] = 9.0
     assert second.task.place_offset[0] == 0.0
+
+
+def test_there_is_a_weight_for_every_recording(tmp_path):
+    text = "recording: {file: a.csv, also: [b.csv, c.csv]}\n"
+    assert "must have 3 numbers" in refused(loaded, tmp_path, text, "recording.weights=[1, 2]")
+    assert loaded(tmp_path, text, "recording.weights=[1, 2, 3]").recording.weights == [1.0, 2.0, 3.0]
+    assert "must have 2 numbers" in refused(loaded, tmp_path, "synthetic: {takes: 2}", "recording.weights=[1]")
+
+
+def test_cleaning_is_told_all_that_it_can_be_told():
+    config, options = Scenario().recording, CleaningOptions()
+    assert vars(config.cleaning) | {"up": config.up} == vars(options)
+    assert "unknown key 'recording.cleaning.up'" in refused(ApplySetting, Scenario(), "recording.cleaning.up=z")
+    assert "'recording.cleaning' holds keys of its own" in refused(ApplySetting, Scenario(), "recording.cleaning=3")
 
 
 def test_the_default_passes_its_own_check():

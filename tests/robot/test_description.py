@@ -151,3 +151,10 @@ def test_no_name_of_a_part_appears_twice_in_a_link(scene):
         for kind in ("visual", "collision"):
             names = [part.get("name") for part in link.findall(kind) if part.get("name")]
             assert len(set(names)) == len(names)
+
+
+def test_without_a_box_everything_else_is_the_same(text):
+    bare, whole = ET.fromstring(MakeSceneDescription(None, TABLES)), ET.fromstring(text)
+    names = [[link.get("name") for link in scene.findall("link")] for scene in (bare, whole)]
+    assert [*names[0], "box"] == names[1]
+    assert "box" not in {joint.find("child").get("link") for joint in bare.findall("joint")}

@@ -173,3 +173,34 @@ def test_a_path_is_stretched_by_what_the_slowest_joint_needs():
             assert stretch == pytest.approx(max(1.0, by_speed, by_acceleration), rel=1e-3)
             # Slowed down by it, the path needs no more.
             assert needed_stretch(stretch * duration * share, q, LIMITS) == pytest.approx(1.0, rel=1e-3)
+
+
+def test_hands_may_shrink_with_the_motion_only_where_they_hold_nothing():
+    """1.2 m apart is too wide for palms that face each other at this place; half of it is not."""
+    wide = lift_and_carry(width=1.2, lift=0.1, carry=0.05)
+    place = {"scale": 0.5, "world": np.array([0.0, 0.35, 0.9])}
+    with pytest.raises(TaskError, match="reach: "):
+        find_reach(TIME, wide, ANCHOR, **place, **SEARCH)
+    reach = find_reach(TIME, wide, ANCHOR, shrink_hands=True, **place, **SEARCH)
+    assert reach.sound and reach.retarget.hands_scale == 0.5
+    palms = retarget_motion(wide, 0 * wide, reach.retarget)[0][..., 4:]
+    np.testing.assert_allclose(np.linalg.norm(palms[:, 1] - palms[:, 0], axis=-1), 0.6, atol=1e-12)
+
+
+def test_what_is_found_holds_on_as_many_samples_a_second_as_asked():
+    t = np.linspace(0.0, 12.0, 601)
+    x = np.repeat(lift_and_carry()[:1], len(t), axis=0)
+    x[:, [2, 5], 2] += 0.1 * (1.0 - np.cos(2 * np.pi * t / 0.8))[:, None]  # Too fast for 60 samples to see.
+    place = {"scale": 0.7, "world": np.array([0.0, 0.3, 0.9])}
+    coarse, fine = (find_reach(t, x, 10, sample_rate_hz=rate, **place, **SEARCH) for rate in (0.0, 20.0))
+    assert len(fine.samples) >= 240 > len(coarse.samples)
+    assert fine.sound and fine.stretch > 1.5 * coarse.stretch
+
+
+def test_the_remedy_is_the_callers(reach):
+    place = {"scale": 1.0, "world": reach[0].retarget.world}
+    with pytest.raises(TaskError, match=r"^reach: no scale [^\n]*; try something else$"):
+        find_reach(TIME, lift_and_carry(lift=1.0), ANCHOR, remedy="try something else", **place, **SEARCH)
+    with pytest.raises(TaskError, match=r"^reach: the arms cannot hold their palms 0\.30 m apart [^\n]*; stay near$"):
+        away = {"scale": 1.0, "world": np.array([0.0, 3.0, 1.0])}
+        find_reach(TIME, MOTION, ANCHOR, shrink_hands=True, remedy="stay near", **away, **SEARCH)

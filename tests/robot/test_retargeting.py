@@ -222,3 +222,16 @@ def test_the_quaternion_product_is_scipys(seed):
     wxyz = [np.roll(r.as_quat(), 1) for r in (a, b, a * b)]
     product = multiply(wxyz[0], wxyz[1])
     assert abs(product @ wxyz[2]) == pytest.approx(1.0, abs=1e-12)
+
+
+@given(motions, st.floats(0.3, 1.0))
+def test_hands_that_hold_nothing_may_be_nearer_about_the_same_middle(case, share):
+    x, v, retarget = drawn(*case)
+    (pose, twist, *rest), (near, nearer, *same) = (
+        retarget_motion(x, v, each) for each in (retarget, replace(retarget, hands_scale=share))
+    )
+    np.testing.assert_array_equal(near[:, :4], pose[:, :4])
+    np.testing.assert_allclose(near[:, 4:].mean(axis=0), pose[:, 4:].mean(axis=0), atol=1e-12)
+    np.testing.assert_allclose(near[1, 4:] - near[0, 4:], share * (pose[1, 4:] - pose[0, 4:]), atol=1e-12)
+    np.testing.assert_allclose(nearer[1, 3:] - nearer[0, 3:], share * (twist[1, 3:] - twist[0, 3:]), atol=1e-12)
+    np.testing.assert_array_equal(same, rest)

@@ -14,6 +14,7 @@ from drake_blfdmp.skill.canonical import DEFAULT_GAMMA, phase_at
 from drake_blfdmp.skill.learning import learn_skill
 from drake_blfdmp.skill.regression import locally_weighted, ridge
 from drake_blfdmp.skill.rollout import roll_out
+from drake_blfdmp.skill.transformation import target_forcing
 
 
 def rest_to_rest_motion():
@@ -104,6 +105,46 @@ def test_events_source_start_and_goal_are_kept():
     np.testing.assert_array_equal(skill.start, X[0])
     np.testing.assert_array_equal(skill.goal, X[-1])
     assert skill.alpha_z == 4 * skill.beta_z == pytest.approx(66.0)
+
+
+def test_the_fit_of_the_mean_is_the_weighted_fit_of_all():
+    """Forcing targets of three motions on one clock, each with its own goal, stacked into one weighted regression."""
+    rng = np.random.default_rng(0)
+    smooth = [np.sin(2 * np.pi * rng.uniform(0.1, 0.5) * T + rng.uniform(0, 6)) for _ in range(3)]
+    motions = [X + 0.03 * wave[:, None, None] * rng.normal(size=(6, 3)) for wave in smooth]
+    weights = np.array([0.5, 0.2, 0.3])
+    mean = learn_skill(T, np.average(motions, axis=0, weights=weights))
+    each = [learn_skill(T, x, alpha_z=mean.alpha_z) for x in motions]
+
+    # The stacked problem, solved by itself: rows times the root of their weight.
+    u = np.linspace(0.0, T[-1], len(T))
+    design = activations(phase_at(u, mean.tau), mean.centers, mean.widths)
+    targets = []
+    for x, skill in zip(motions, each, strict=True):
+        p, v, a = (make_interp_spline(T, x.reshape(len(T), 18), k=5)(u, order) for order in range(3))
+        targets.append(target_forcing(p, v, a, skill.goal.reshape(18), mean.tau, mean.alpha_z, mean.beta_z))
+    root = np.sqrt(weights)
+    stacked = np.linalg.lstsq(
+        np.concatenate([r * design for r in root]),
+        np.concatenate([r * target for r, target in zip(root, targets, strict=True)]),
+    )[0]
+    np.testing.assert_allclose(
+        design @ stacked, design @ mean.weights.reshape(-1, 18), atol=2e-3 * np.abs(targets).max()
+    )
+    np.testing.assert_allclose(mean.start, np.average([s.start for s in each], axis=0, weights=weights), atol=1e-12)
+    np.testing.assert_allclose(mean.goal, np.average([s.goal for s in each], axis=0, weights=weights), atol=1e-12)
+    average = np.average([s.weights for s in each], axis=0, weights=weights)
+    np.testing.assert_allclose(mean.weights, average, atol=1e-6 * np.abs(average).max())
+
+
+def test_the_spread_is_kept_ten_times_a_second():
+    spread = 0.01 * (1.0 + np.sin(T))[:, None, None] * np.ones((6, 3))
+    skill = learn_skill(T, X, spread=spread)
+    assert skill.spread.shape == (101, 6, 3)
+    np.testing.assert_allclose(skill.spread_at(T), spread, atol=1e-5)
+    assert len(learn_skill(4.0 * T, X, spread=spread).spread) == 265  # 10 a second of 26.4 s, and one.
+    with pytest.raises(SkillError, match="the spread has shape"):
+        learn_skill(T, X, spread=spread[:-1])
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,5 @@
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -27,6 +27,29 @@ def test_a_saved_skill_comes_back_bit_for_bit(skill, tmp_path):
             assert ours == theirs, field.name
 
 
+def test_spread_and_mobility_come_back_and_a_file_without_them_is_as_it_was(skill, tmp_path):
+    spread = 0.01 * np.random.default_rng(0).random((101, 6, 3))
+    rich = replace(skill, spread=spread, mobility=np.arange(1.0, 7.0))
+    rich.save(tmp_path / "rich.json")
+    loaded = Skill.load(tmp_path / "rich.json")
+    np.testing.assert_array_equal(loaded.spread, spread)
+    np.testing.assert_array_equal(loaded.mobility, np.arange(1.0, 7.0))
+    skill.save(tmp_path / "plain.json")
+    assert not {"spread_m", "mobility"} & set(json.loads((tmp_path / "plain.json").read_text()))
+    assert Skill.load(tmp_path / "plain.json").spread is None
+    assert Skill.load(tmp_path / "plain.json").mobility is None
+
+
+def test_the_spread_lies_evenly_on_the_skills_clock_and_scales_with_it(skill):
+    places = np.linspace(0.0, 1.0, 11)[:, None, None] * np.ones((6, 3))
+    spread = replace(skill, spread=0.01 * places)
+    at = np.array([-1.0, 0.0, 0.13, 0.5, 1.0, 2.0])
+    for one in (spread, spread.with_duration(2.5 * skill.tau)):
+        np.testing.assert_allclose(one.spread_at(at * one.tau)[:, 4, 1], 0.01 * np.clip(at, 0.0, 1.0), atol=1e-12)
+    assert skill.spread_at(at) is None
+    assert spread.spread_at(0.3).shape == (6, 3)
+
+
 def test_an_existing_file_is_not_overwritten(skill, tmp_path):
     (tmp_path / "a.json").write_text("mine")
     with pytest.raises(SkillError, match="exists already"):
@@ -49,6 +72,10 @@ def test_an_existing_file_is_not_overwritten(skill, tmp_path):
         ({"events_s": {"grasp": "soon"}}, "incomplete or damaged"),
         ({"events_s": 3.0}, "incomplete or damaged"),
         ({"gamma": "DELETE"}, "incomplete or damaged"),
+        ({"spread_m": [[[0.0] * 3] * 6]}, r"spread has shape \(1, 6, 3\)"),
+        ({"spread_m": [[[-1.0] * 3] * 6] * 2}, "spread holds a number that is negative"),
+        ({"spread_m": [[0.0], [0.0, 1.0]]}, "incomplete or damaged"),
+        ({"mobility": [1.0, 1.0, 0.0, 1.0, 1.0, 1.0]}, "mobility must be 6 positive numbers"),
     ],
 )
 def test_a_changed_file_is_refused_with_one_line(skill, tmp_path, change, message):

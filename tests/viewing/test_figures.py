@@ -12,12 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.demonstration.modelled_person import hold_and_place
-from drake_blfdmp.errors import BlfDmpError, RecordingError, SkillError
+from drake_blfdmp.errors import BlfDmpError, RecordingError
 from drake_blfdmp.skeleton import HANDS
-from drake_blfdmp.skill.learning import learn_skill
 from drake_blfdmp.viewing import style
-from drake_blfdmp.viewing.figures import FIGURES, SPREAD, write_figures
+from drake_blfdmp.viewing.figures import FIGURES, OF_THE_BOX, SPREAD, write_figures
 from drake_blfdmp.viewing.robot_figures import box_height_tilt, contact_forces, joint_angles, swivel, tilt_angle
 from drake_blfdmp.viewing.skill_figures import hands_distance, lengths, link_lengths, paths, spread
 
@@ -144,20 +142,24 @@ def test_spread_draws_every_points_mean_and_one_sigma_around_it(run_log):
     assert axes[0, 2].get_ylim() == axes[1, 2].get_ylim() and axes[0, 1].get_ylim() == axes[1, 1].get_ylim()
 
 
-def test_a_folder_whose_skill_has_a_spread_gets_its_figure(run_log, tmp_path):
-    t, x = hold_and_place(rate_hz=10.0)
-    sigma = np.full((len(t), 6, 3), 0.02)
-    for name, kept in (("one", None), ("several", sigma)):
-        (tmp_path / name).mkdir()
-        learn_skill(t, x, spread=kept).save(tmp_path / name / "skill.json")
-    one, more = (write_figures(run_log, tmp_path / name) for name in ("one", "several"))
+def test_a_run_whose_skill_has_a_spread_gets_its_figure(run_log, tmp_path):
+    one, more = (
+        write_figures(dataclasses.replace(run_log, spread=sigma), tmp_path / name)
+        for name, sigma in (("one", None), ("several", several(run_log)))
+    )
     assert [path.stem for path in one] == list(FIGURES)
     assert [path.stem for path in more] == [*FIGURES, SPREAD]
     pixels = imread(more[-1])[..., :3]
     assert pixels.shape[1] >= style.PAGE * 200 and 0.005 < np.mean(np.any(pixels < 0.9, axis=-1)) < 0.6
-    (tmp_path / "one" / "skill.json").write_text("{}")
-    with pytest.raises(SkillError, match="skill.json: is not a skill file"):
-        write_figures(run_log, tmp_path / "one")
+
+
+def test_a_motion_without_a_box_gets_every_figure_but_the_boxs(run_log, tmp_path):
+    bare = dataclasses.replace(run_log, box=None, box_desired=None, palm_force=np.zeros((len(run_log.t), 2)))
+    written = [path.stem for path in write_figures(bare, tmp_path)]
+    assert written == [name for name in FIGURES if name not in OF_THE_BOX]
+    assert set(FIGURES) - set(written) == {"contact_forces", "box_height_tilt"}
+    with pytest.raises(RecordingError, match="without a box has no height"):
+        box_height_tilt(bare)
 
 
 def test_joint_angles_always_show_both_limits(run_log):
@@ -229,8 +231,9 @@ def test_a_run_without_events_and_of_two_samples_is_drawn(run_log, tmp_path):
     assert len(write_figures(dataclasses.replace(run_log, **first_two, events=()), tmp_path)) == len(FIGURES)
 
 
-@pytest.mark.parametrize("name", ["lower", "q", "palm_force", "box_desired", "swivel", "q_lower"])
+@pytest.mark.parametrize("name", ["lower", "q", "palm_force", "box_desired", "swivel", "q_lower", "spread"])
 def test_a_signal_of_wrong_shape_is_named(run_log, tmp_path, name):
+    run_log = dataclasses.replace(run_log, spread=several(run_log))
     broken = dataclasses.replace(run_log, **{name: getattr(run_log, name)[:-1]})
     with pytest.raises(RecordingError, match=rf"^run log: {name} has shape .*expected [^\n]*$"):
         write_figures(broken, tmp_path)

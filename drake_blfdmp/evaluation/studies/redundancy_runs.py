@@ -8,6 +8,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, SetInitialState
+from drake_blfdmp.errors import TaskError
 from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog
 from drake_blfdmp.evaluation.studies.swivel_metrics import elbow_distance, swivel_error, swivel_rms
 from drake_blfdmp.evaluation.study import Table
@@ -64,7 +65,13 @@ def SimulatePlan(plan: Plan, redundancy: str, progress: Callable[[float], None] 
 
 
 def phase_times(plan: Plan, log: RunLog) -> dict[str, float]:
-    """The seven phases of Figs. 5 and 11, s."""
+    """The seven phases of Figs. 5 and 11, s.
+
+    Raises:
+        TaskError: nothing is carried.
+    """
+    if log.box_desired is None:
+        raise TaskError("two_frankas: a motion without a box has none of the phases of a carry; use task.kind=hold")
     events, height = dict(log.events), log.box_desired[:, 6]
     top = int(np.argmax(height))
     rising = (log.t <= log.t[top]) & (height >= 0.5 * (height[0] + height[top]))

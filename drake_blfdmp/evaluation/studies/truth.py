@@ -6,10 +6,11 @@ the same frame, and shifted just as the learned motion was.
 
 import copy
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
+from drake_blfdmp.demonstration.alignment import weighted_mean
 from drake_blfdmp.demonstration.modelled_person import ModelledPerson, hold_and_place
 from drake_blfdmp.demonstration.timing import task_motion
 from drake_blfdmp.demonstration.torso_frame import into_frames, torso_frames
@@ -17,7 +18,7 @@ from drake_blfdmp.evaluation.metrics import rms_distance
 from drake_blfdmp.evaluation.studies.noise_metrics import KINDS
 from drake_blfdmp.evaluation.study import Table
 from drake_blfdmp.planning.scenario import Scenario
-from drake_blfdmp.planning.sources import LoadSource, Source
+from drake_blfdmp.planning.sources import CleanRecording, LoadSource, Source
 from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask, Task
 
 
@@ -34,17 +35,23 @@ def on_task_clock(points: np.ndarray, scenario: Scenario, source: Source, task: 
 
 
 def true_points(scenario: Scenario, source: Source) -> np.ndarray:
-    """What the modelled person really did (M, 6, 3) on the demonstration's clock, in the demonstration's frame."""
-    known = source.recording.known
+    """What the modelled person really did (M, 6, 3) on the demonstration's clock, in the demonstration's frame.
+
+    Of several takes the mean, as the demonstration is: every take shows the same motion, but its time map errs, too.
+    """
+    if source.together is not None:
+        takes = [replace(one.demonstration, x=true_points(scenario, one)) for one in source.together.sources]
+        return weighted_mean(source.together.alignment.shown(takes), source.together.weights)
+    recording, known = source.recording, source.recording.known
     person = ModelledPerson(upper_arm=known.upper_arm, forearm=known.forearm, box_width=known.box_width)
     clock, x = hold_and_place(person)
-    columns = x.reshape(len(x), 18).T
-    truth = np.stack([np.interp(source.demonstration.t, clock, column) for column in columns], axis=-1).reshape(
-        -1, 6, 3
-    )
+    # The demonstration's clock starts with the first frame in which the sensor finds the person.
+    found = recording.t[np.isfinite(recording.x).all(axis=(1, 2))][0]
+    t, columns = source.demonstration.t + found, x.reshape(len(x), 18).T
+    truth = np.stack([np.interp(t, clock, column) for column in columns], axis=-1).reshape(-1, 6, 3)
     if scenario.recording.frame == "world":
         return truth
-    world = clean(source.recording, CleaningOptions(up=scenario.recording.up))
+    world = CleanRecording(scenario, recording)
     return into_frames(truth, torso_frames(world.x, world.rate_hz))
 
 

@@ -23,10 +23,12 @@ def default(
     bands,
     primitive: Primitive,
     gains: Gains = Gains(),
+    mobility=DEFAULT_MOBILITY,
 ):
     """The coupling acceleration (..., 6, 3), m/s^2; see `skill.laws` for the arguments.
 
+    `mobility` (6,) positive, this law's alone: how readily each point gives way. It decides who moves, not whether:
     V' < 0 on all links together, for any smooth moving bands (`skill.barrier`, `skill.reshaper`).
     """
     demanded, _, _ = link_acceleration(x, velocity, bands, gains)
-    return reshape(x, velocity, nominal_acceleration, demanded, DEFAULT_MOBILITY)
+    return reshape(x, velocity, nominal_acceleration, demanded, mobility)

@@ -34,7 +34,7 @@ def pictures(plan: Plan, log: RunLog, times: Mapping[str, float], pixels: int) -
             lengths = link_lengths(points)
             inside = (log.lower[k] < lengths) & (lengths < log.upper[k])
             scenes[name].append(stills.skeleton(plan.retarget.point(points), inside))
-        scenes["two Pandas"].append(scene.at(log.q[k], log.box[k]))
+        scenes["two Pandas"].append(scene.at(log.q[k], None if log.box is None else log.box[k]))
     left, right, bottom, top = rendering.window_of(scenes["two Pandas"], CAMERA)
     _, _, low, high = rendering.window_of(scenes["person"] + scenes["skill"], CAMERA)
     heights = {"person": (low, high), "skill": (low, high), "two Pandas": (bottom, top)}

@@ -1,0 +1,140 @@
+"""What a plan is, and what the plans of all kinds of tasks need."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.planning.sources import Source
+from drake_blfdmp.planning.task import Task
+from drake_blfdmp.robot.box import BoxParameters, TableParameters
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import JointLimits
+from drake_blfdmp.robot.reach import Reach, find_reach
+from drake_blfdmp.robot.retargeting import Retarget, box_pose, up_axis
+from drake_blfdmp.skill.rollout import Rollout
+
+Progress = Callable[[str, float], None]
+"""Called with what is being done and the share of it done, 0 to 1."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything known before the simulation starts.
+
+    Attributes:
+        scenario, source, task: what it was made from.
+        coupled, uncoupled: the skill rolled out with the scenario's law and without any.
+        reach: the retargeting, and how well the arms follow it.
+        box: the box; None in a motion without one.
+        start, goal: (7,) X_WB before the grasp and where the plan puts the box; None without one.
+        tables: what it stands on.
+        stretch: how much longer than the person's the motion takes.
+        notes: sentences on what was adapted, for people.
+    """
+
+    scenario: Scenario
+    source: Source
+    task: Task
+    coupled: Rollout
+    uncoupled: Rollout
+    reach: Reach
+    box: BoxParameters | None
+    start: np.ndarray | None
+    goal: np.ndarray | None
+    tables: list[TableParameters]
+    stretch: float
+    notes: tuple[str, ...]
+
+    @property
+    def retarget(self) -> Retarget:
+        """The map from the person to the arms."""
+        return self.reach.retarget
+
+    @property
+    def settle_s(self) -> float:
+        """How long the arms wait at the start, s: the rest in which the skill's initial errors vanish."""
+        return self.scenario.timing.rest_s * self.stretch
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the run, s."""
+        return float(self.coupled.t[-1])
+
+    def planned_box(self) -> np.ndarray:
+        """X_WB the plan has at every time of the coupled rollout: (N, 7); with a box alone."""
+        grasped, released = self.task.held
+        t = np.clip(self.coupled.t, grasped, released)
+        index = np.minimum(np.round(t / self.scenario.simulation.skill_time_step).astype(int), len(t) - 1)
+        return BelowPalms(box_pose(self.coupled.x, self.retarget), self.scenario.task.grasp_above)[index]
+
+
+def BelowPalms(pose, above: float) -> np.ndarray:
+    """The box's poses (N, 7) when the palms take it `above` its centre, m, from the poses of the palms' middle."""
+    lowered = np.array(pose)
+    lowered[:, 4:] -= above * up_axis(lowered)
+    return lowered
+
+
+def FindReach(
+    scenario: Scenario,
+    coupled: Rollout,
+    anchor: int,
+    kinematics: DualArmKinematics,
+    limits: JointLimits,
+    progress: Progress,
+    scale: float | None = None,
+    world: np.ndarray | None = None,
+    *,
+    every: int = 1,
+    **options: Any,
+) -> Reach:
+    """The reach of a rolled-out task, as the scenario's `retarget` asks for it.
+
+    Args:
+        anchor: index in the rollout at which the palms' rolls are chosen.
+        scale, world: used where the scenario does not give its own.
+        every: only each so-manieth sample of the rollout is looked at.
+        options: further ones of `find_reach`.
+
+    Returns:
+        The reach, its samples counted in the rollout.
+
+    Raises:
+        TaskError: nothing fits.
+    """
+    config = scenario.retarget
+    # The arms join in when the initial errors have vanished; see `Plan.settle_s`.
+    first = IndexAt(coupled, scenario.timing.rest_s)
+    reach = find_reach(
+        coupled.t[first::every],
+        coupled.x[first::every],
+        (anchor - first) // every,
+        kinematics=kinematics,
+        limits=limits,
+        scale=config.scale if config.scale is not None else scale,
+        world=world if config.world is None else np.array(config.world),
+        level=config.level,
+        elbow_up=config.elbow_up,
+        progress=lambda share: progress("finding a reachable place", share),
+        **options,
+    )
+    return replace(reach, samples=every * reach.samples + first)
+
+
+def IndexAt(rollout: Rollout, t: float) -> int:
+    """The index of a rollout's first sample at time t, s, or later."""
+    return int(np.clip(np.searchsorted(rollout.t, t), 0, len(rollout.t) - 1))
+
+
+def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
+    """What was taken from the person's motion so that the arms can follow, in sentences."""
+    notes, swing = [], np.rad2deg(retarget.swing_out[1])
+    if swing < 69.0:
+        yaw = np.rad2deg(retarget.yaw[1])
+        notes.append(f"elbows' swing limited to {swing:.0f} degrees and the hands' yaw to {yaw:.0f}, to stay in reach")
+    if stretch > 1.005:
+        notes.append(f"slowed down {stretch:.2f} times, to stay within the joints' speed and acceleration")
+    return notes

@@ -1,0 +1,212 @@
+"""The sections of a scenario: what each key means, and its default.
+
+Lengths are in m, times in s, angles in rad, unless a name says otherwise. None means: found in the recording, or
+chosen.
+"""
+
+from dataclasses import dataclass, field, fields, make_dataclass
+
+from drake_blfdmp.demonstration.cleaning import CleaningOptions
+from drake_blfdmp.demonstration.sensors import SENSORS
+
+SENSOR_NAMES = ("steady", *SENSORS)
+"""What can film the modelled person."""
+
+TASK_KINDS = ("hold", "motion")
+"""What can be done: hold a box and place it, or move both arms alone."""
+
+_CLEANING = [
+    (item.name, item.type, field(default=item.default)) for item in fields(CleaningOptions) if item.name != "up"
+]
+
+
+@dataclass
+class CleaningConfig(make_dataclass("_Cleaning", _CLEANING)):  # pyright: ignore[reportGeneralTypeIssues]
+    """How recordings are cleaned: the fields of `CleaningOptions` but `up`, which stands in `RecordingConfig`."""
+
+
+@dataclass
+class RecordingConfig:
+    """Which recordings, and how to read them.
+
+    Attributes:
+        file: path; None films the modelled person with the virtual Kinect.
+        also: further recordings of the same task; one skill is learned from all. What is said below holds for all of
+            them but `frames` and `body`, which mean `file` alone.
+        weights: of `file` and then of each in `also`; None counts all alike.
+        format: a reader's name; None detects it from the content.
+        frames: first and last frame, inclusive.
+        joints: a skeleton point's name -> one column stem, or three columns.
+        unit: m, cm or mm.
+        time_unit: s, ms, us, 100ns, ns or frames.
+        rate_hz: frames a second; counts frames instead of reading the file's clock.
+        body: the person's id in a file of several people.
+        up: the vertical axis of the file, for example "z", "y" or "-y".
+        frame: "torso" lets the person walk away from under the motion, "world" keeps the file's frame.
+        cleaning: gaps, jumps, the clock.
+    """
+
+    file: str | None = None
+    also: list[str] = field(default_factory=list)
+    weights: list[float] | None = None
+    format: str | None = None
+    frames: list[int] | None = None
+    joints: dict[str, list[str]] = field(default_factory=dict)
+    unit: str | None = None
+    time_unit: str | None = None
+    rate_hz: float | None = None
+    body: str | None = None
+    up: str | None = None
+    frame: str = "torso"
+    cleaning: CleaningConfig = field(default_factory=CleaningConfig)
+
+
+@dataclass
+class SyntheticConfig:
+    """The modelled person whom the virtual Kinect films when there is no recording.
+
+    Attributes:
+        upper_arm, forearm, box_width: lengths.
+        sensor: what films, one of `SENSOR_NAMES`; "steady" is the default `VirtualKinect()`, with a Kinect v1's bones
+            and no arm that is lost.
+        takes: how often it films; each take has errors of its own, and one skill is learned from all.
+    """
+
+    upper_arm: float = 0.22
+    forearm: float = 0.28
+    box_width: float = 0.30
+    sensor: str = "steady"
+    takes: int = 1
+
+
+@dataclass
+class LearningConfig:
+    """How the skill is learned.
+
+    Attributes:
+        basis_functions: their number; None takes 5 a second, at least 50.
+        method: "ridge" or "lwr".
+        cutoff_hz: of the smoothing before differentiation.
+        alpha_z: gain of (1); None takes 10 tau.
+    """
+
+    basis_functions: int | None = None
+    method: str = "ridge"
+    cutoff_hz: float = 1.2
+    alpha_z: float | None = None
+
+
+@dataclass
+class BandsConfig:
+    """Desired lengths of the bones, half widths of all bands, (13), (20), and how the points share what is to be done.
+
+    Attributes:
+        upper_arm, forearm: desired lengths; None takes the person's.
+        bone_half_width, hands_half_width, hands_funnel, rate: the bands'.
+        mobility: how readily each point gives way to the default law; only the ratios count. None takes its own.
+        weigh_by_uncertainty: let the recording's own uncertainty decide that.
+    """
+
+    upper_arm: float | None = None
+    forearm: float | None = None
+    bone_half_width: float = 0.01
+    hands_half_width: float = 0.01
+    hands_funnel: float = 0.02
+    rate: float = 3.0
+    mobility: list[float] | None = None
+    weigh_by_uncertainty: bool = False
+
+
+@dataclass
+class GainsConfig:
+    """Gains of the default law, 1/s."""
+
+    k_1: float = 8.0
+    k_2: float = 20.0
+
+
+@dataclass
+class PublishedConfig:
+    """Gains of the published laws, see `skill.laws.follower`."""
+
+    k_z: float = 300.0
+    d_z: float = 0.2
+    k_2: float = 0.0
+    largest_rate: float = 150.0
+
+
+@dataclass
+class GamsConfig:
+    """Gains of the coupling of Gams et al., see `skill.laws.gams`."""
+
+    c_k: float = 300.0
+    c_2: float = 10.0
+
+
+@dataclass
+class BoxConfig:
+    """The box; a width of None is the hands' distance in the recording."""
+
+    width: float | None = None
+    depth: float = 0.20
+    height: float = 0.20
+    mass: float = 1.0
+    friction: float = 0.8
+
+
+@dataclass
+class TaskConfig:
+    """What is done.
+
+    Attributes:
+        kind: "hold" takes a box and places it; "motion" plays the person's arms without a box, and what is said here
+            and in `BoxConfig` of a box has no effect.
+        held: beginning and end of the held interval on the recording's clock; None finds it. In a motion: what is
+            played; None plays all.
+        squeeze_force: how hard the palms press on the box, N, on average; the depth follows from the arms' stiffness.
+        squeeze: how far each palm is commanded into the box; None takes what gives `squeeze_force`.
+        clearance: distance of each palm from the box while it is open.
+        grasp_above: how far above the box's centre the palms take it; it then hangs, and the hands clear the table.
+        place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
+        duration_scale: stretches the motion; None slows it down just as far as the arms need.
+        tail: time after the motion's end.
+    """
+
+    kind: str = "hold"
+    held: list[float] | None = None
+    squeeze_force: float = 55.0
+    squeeze: float | None = None
+    clearance: float = 0.05
+    grasp_above: float = 0.02
+    place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    duration_scale: float | None = None
+    tail: float = 0.5
+
+
+@dataclass
+class RetargetConfig:
+    """From the person to the arms; None is chosen so that the whole motion is reachable with margin.
+
+    Attributes:
+        scale: of the person's motion.
+        world: where the shoulders' midpoint goes.
+        level: keep the line between the palms horizontal.
+        elbow_up: mirror the elbows to above the line from shoulder to wrist.
+        redundancy: what the arms' seventh joint is for while they move: "swivel", "none" or "published".
+    """
+
+    scale: float | None = None
+    world: list[float] | None = None
+    level: bool = True
+    elbow_up: bool = True
+    redundancy: str = "swivel"
+
+
+@dataclass
+class SimulationConfig:
+    """Steps and rates: `time_step` of the plant, `skill_time_step` of the skill and the inverse kinematics."""
+
+    time_step: float = 0.002
+    skill_time_step: float = 0.004
+    record_rate_hz: float = 100.0
+    scene_rate_hz: float = 24.0
