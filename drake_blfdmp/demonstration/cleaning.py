@@ -8,6 +8,7 @@ from drake_blfdmp.demonstration.bones import estimate_bone_lengths
 from drake_blfdmp.demonstration.demonstration import Demonstration, Recording
 from drake_blfdmp.demonstration.depth_lookup import describe_depths, is_depth_lookup, redo_depths
 from drake_blfdmp.demonstration.gaps import fill_and_resample, require_short_gaps, uniform_clock, whole_ends
+from drake_blfdmp.demonstration.holding import wobble
 from drake_blfdmp.demonstration.jumps import describe_jumps, find_jumps, speed_jumps
 from drake_blfdmp.demonstration.repeats import in_order, without_repeats
 from drake_blfdmp.demonstration.screening import (
@@ -119,7 +120,9 @@ def clean(recording: Recording, options: CleaningOptions = CleaningOptions()) ->
         uncertainty=error.per_point,
     )
     x = _refine(demonstration, error, work, options)
-    return replace(demonstration, x=x, repairs=work.repairs, notes=tuple(work.notes))
+    # Bones that were given their lengths no longer tell how the hands' distance errs.
+    noise = wobble(demonstration.x) if options.restore_bones else None
+    return replace(demonstration, x=x, wobble=noise, repairs=work.repairs, notes=tuple(work.notes))
 
 
 def _check_options(where: str, options: CleaningOptions) -> None:

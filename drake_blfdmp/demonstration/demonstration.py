@@ -57,6 +57,7 @@ class Demonstration:
         known: dimensions known beforehand.
         uncertainty: (6,) standard deviation per axis of each point's error before smoothing, m, as estimated from the
             recording itself; None where it was not.
+        wobble: the noise of the bones' lengths (`holding.wobble`) before they were restored, m; None where x shows it.
         notes: sentences on what cleaning found and chose: axes, jumps, smoothing.
     """
 
@@ -67,6 +68,7 @@ class Demonstration:
     repairs: dict[str, int] = field(default_factory=dict)
     known: KnownDimensions = KnownDimensions()
     uncertainty: np.ndarray | None = None
+    wobble: float | None = None
     notes: tuple[str, ...] = ()
 
     @property

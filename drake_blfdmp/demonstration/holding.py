@@ -85,7 +85,7 @@ def find_holding(demonstration: Demonstration) -> Holding:
         RecordingError: there is none: one hand carries, the hands never keep a distance, or they do not move.
     """
     x = demonstration.x
-    noise = wobble(x)
+    noise = wobble(x) if demonstration.wobble is None else demonstration.wobble
     count = min(_MOST_SAMPLES, round(demonstration.duration_s / _STEP_S) + 1)
     t = np.linspace(demonstration.t[0], demonstration.t[-1], count)
 

@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter1d
 from synthetic_carry import BOX, SHARED, carry, turn
 
 from drake_blfdmp.demonstration.bones import estimate_bone_lengths
-from drake_blfdmp.demonstration.cleaning import clean
+from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
 from drake_blfdmp.demonstration.demonstration import Demonstration
 from drake_blfdmp.demonstration.formats import read_recording
 from drake_blfdmp.demonstration.holding import find_holding, fit_distance
@@ -171,3 +171,11 @@ def test_real_one_handed_carry_is_refused():
     for demonstrated in (world, to_torso_frame(world)):
         with pytest.raises(RecordingError, match="one hand carries"):
             find_holding(demonstrated)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_hold_is_found_as_well_when_the_bones_have_been_restored(seed):
+    recording, _ = record_hold_and_place(seed=seed)
+    before, after = (find_holding(clean(recording, CleaningOptions(restore_bones=restored))) for restored in (0, 1))
+    assert (after.start_s, after.end_s) == pytest.approx((before.start_s, before.end_s), abs=0.3)
+    assert after.hand_distance == pytest.approx(before.hand_distance, abs=0.05)

@@ -140,7 +140,7 @@ def _named_by_number(
     """Columns such as `joint12_x` under the names of the sensor that numbers its joints so; its up axis, and a note."""
     if guess(stems):
         sensor = sensor_by_names(stems)
-        return (stems, said, *((sensor[1], f"joints: all that a {sensor[0]} has") if sensor else (None, "")))
+        return (stems, said, None, "") if sensor is None else (stems, said, sensor[1], f"joints: all of a {sensor[0]}")
     numbered = {int(match[1]): stem for stem in stems if (match := re.fullmatch(r"\D*(\d{1,3})\D*", stem))}
     known = joints_by_number(numbered)
     if known is None or len(numbered) < len(stems):
