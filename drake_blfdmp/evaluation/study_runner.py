@@ -28,6 +28,7 @@ ORDER = (
     "joint_distances",
     "hand_distance",
     "two_frankas",
+    "squeeze",
     "published_law",
     "two_rounds",
     "generalisation",

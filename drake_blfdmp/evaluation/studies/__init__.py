@@ -7,5 +7,6 @@
 - `swivel_metrics`, `redundancy_runs`: swivel angles and elbows of the two arms (Fig. 11).
 - `random_problems`, `guarantee_metrics`, `random_gain_search`: whether laws keep their bands on random problems, with
   the best gains for those. `sampling_cells`: the same over rates and gains. `intervals`: how sure a counted share is.
+- `squeeze_rig`, `squeeze_cells`, `squeeze_metrics`: how pads yield, and the least squeeze that holds.
 - `generalisation_cases`, `generalisation_metrics`: other starts, goals, durations and boxes.
 """

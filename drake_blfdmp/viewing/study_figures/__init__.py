@@ -7,6 +7,7 @@
 - `lengths`: lengths of the arms' bones in their bands (Figs. 8 and 9).
 - `laws`: hands' distance (Fig. 10) and all five links with every law, Remark 2. `one_axis`: the published law alone.
 - `frankas`: stills and swivel angles of the two arms (Fig. 11).
+- `squeeze`: deformation and least squeeze.
 - `random_problems`: shares, margins and times of violations. `sampling`: shares over gains and rate.
 - `generalisation`: other starts, goals, durations and boxes.
 """
