@@ -8,14 +8,20 @@ direction n, J n = 0, that does not move the palm:
 
 J_psi is the derivative of the swivel angle itself; for a resting wrist J_psi q' = -U_psi^T J_E q' / r, with r the
 elbow's distance from the shoulder-wrist line and U_psi as (19) prints it, which is the form in which the paper speaks
-of it. Joint limits hold by construction: alpha is kept in the interval they leave, and where that is empty the palm's
-twist is scaled (0 <= s < 1). `robot.redundancy` asks other alphas of the same resolution, among them (18) as printed.
+of it. Joint limits, of position, velocity and acceleration, hold by construction: they leave each joint an interval of
+velocities (`velocity_bounds`, `within_reach`) that is never empty (`braking`). alpha is kept in what that leaves; where
+nothing is left the palm's twist is scaled (0 <= s < 1), which keeps the path; where no scale helps, as the command has
+turned faster than the joints can, the nearest velocities are taken (`nearest_velocity`). `robot.redundancy` asks other
+alphas of the same resolution, among them (18) as printed.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+from drake_blfdmp.robot.braking import braking_speed
+from drake_blfdmp.robot.nearest_velocity import nearest_velocities
 
 
 @dataclass(frozen=True)
@@ -30,10 +36,14 @@ class IkGains:
         damping: largest damping.
         null_floor: |J_psi n| below which the swivel fades out (near a straight arm, or where the null motion does
             not turn the arm's plane).
-        limit_gain: how fast a joint may approach its limit, 1/s.
+        limit_gain: how fast a joint may approach its limit, and a pair of links its clearance, 1/s.
         limit_margin: distance kept from the position limits, rad.
         velocity_share: share of the joint velocity limits that is used.
+        acceleration_share: share of the joint acceleration limits that is used; inf: they do not count.
         null_acceleration: how fast the null motion may change, rad/s^2.
+        tempo_fall: how fast the tempo falls while a palm cannot follow at all, s (`tempo`).
+        tempo_rise: how fast it comes back, s.
+        tempo_floor: slower than this the tempo never is.
     """
 
     pose: float = 20.0
@@ -45,7 +55,11 @@ class IkGains:
     limit_gain: float = 5.0
     limit_margin: float = 0.1
     velocity_share: float = 0.9
+    acceleration_share: float = 0.9
     null_acceleration: float = 6.0
+    tempo_fall: float = 0.02
+    tempo_rise: float = 0.5
+    tempo_floor: float = 0.05
 
 
 DEFAULT_GAINS = IkGains()
@@ -59,12 +73,37 @@ def damped_inverse(jacobian, singular_value: float, damping: float):
     return (vt[:6].T * gain) @ u.T, vt[6]
 
 
-def velocity_bounds(q, lower, upper, velocity, gains: IkGains):
-    """The velocities a joint may have at q so that it never passes its limits: arrays like q, lower <= 0 <= upper."""
+def velocity_bounds(q, lower, upper, velocity, gains: IkGains, acceleration=np.inf, time_step: float = 0.0):
+    """The velocities a joint may have at q so that it never passes its limits: arrays like q, lower <= 0 <= upper.
+
+    Args:
+        q: (...) rad.
+        lower: (...) position limits, rad.
+        upper: (...) rad.
+        velocity: (...) limits, rad/s.
+        gains: of them the limits' gain and margin and the velocity's share.
+        acceleration: (...) rad/s^2, with which a joint can brake before its limit; inf: with any.
+        time_step: s, for which the velocity will be held.
+    """
     top = gains.velocity_share * velocity
-    low = np.clip(gains.limit_gain * (lower + gains.limit_margin - q), -top, 0.0)
-    high = np.clip(gains.limit_gain * (upper - gains.limit_margin - q), 0.0, top)
-    return low, high
+    rooms = np.stack([q - (lower + gains.limit_margin), upper - gains.limit_margin - q])
+    down, up = np.minimum(braking_speed(rooms, gains.limit_gain, acceleration, time_step), top)
+    return -down, up
+
+
+def within_reach(low, high, previous, change):
+    """The bounds that are left to a joint that can change its velocity by `change` in a step: low <= high, never empty.
+
+    A joint that is too fast for its bounds, which does not happen to one that was within them (`braking`), brakes.
+
+    Args:
+        low: (...) from `velocity_bounds`, rad/s.
+        high: (...) rad/s.
+        previous: (...) the last velocity, rad/s.
+        change: (...) acceleration times step, rad/s.
+    """
+    least, most = previous - change, previous + change
+    return np.minimum(np.maximum(low, least), most), np.minimum(np.maximum(high, least), most)
 
 
 def null_interval(base, n, low, high):
@@ -79,29 +118,32 @@ def null_interval(base, n, low, high):
     return least.max(), most.min()
 
 
-def largest_scale(base, n, low, high):
-    """The largest s in [0, 1] for which some alpha has low <= s base + alpha n <= high. Needs low <= 0 <= high.
+def scale_interval(base, n, low, high):
+    """The s for which some alpha has low <= s base + alpha n <= high: (smallest, largest); none if smallest > largest.
 
     Each pair of joints bounds alpha from below and from above by lines in s; s is feasible while no lower line is
-    above an upper one.
+    above an upper one. A joint the null motion does not move bounds s alone. Needs low <= high.
     """
-    scale = 1.0
     sign = np.where(n < 0, -1.0, 1.0)
     m, b = np.abs(n), base * sign
     low, high = np.where(sign > 0, low, -high), np.where(sign > 0, high, -low)
     # alpha m_i >= low_i - s b_i and alpha m_j <= high_j - s b_j for all i, j
     slope = np.outer(m, b) - np.outer(b, m)
     room = np.outer(m, high) - np.outer(low, m)
-    tight = slope > 1e-12
-    if np.any(tight):
-        scale = min(scale, float((room[tight] / slope[tight]).min()))
-    # A joint the null motion does not move bounds s alone.
-    for value, least, most in zip(b[m < 1e-9], low[m < 1e-9], high[m < 1e-9], strict=True):
-        if value > 0:
-            scale = min(scale, most / value)
-        elif value < 0:
-            scale = min(scale, least / value)
-    return max(scale, 0.0)
+    alone = m < 1e-9
+    slope = np.concatenate([slope.ravel(), b[alone], -b[alone]])
+    room = np.concatenate([room.ravel(), high[alone], -low[alone]])
+    rising, falling = slope > 1e-12, slope < -1e-12
+    largest = (room[rising] / slope[rising]).min(initial=np.inf)
+    smallest = (room[falling] / slope[falling]).max(initial=-np.inf)
+    if room[~(rising | falling)].min(initial=0.0) < -1e-12:
+        return np.inf, -np.inf
+    return float(smallest), float(largest)
+
+
+def largest_scale(base, n, low, high):
+    """The largest s in [0, 1] for which some alpha has low <= s base + alpha n <= high. Needs low <= 0 <= high."""
+    return min(max(scale_interval(base, n, low, high)[1], 0.0), 1.0)
 
 
 def swivel_null_speed(base, n, swivel_jacobian, swivel_rate, gains: IkGains) -> float:
@@ -120,40 +162,70 @@ def swivel_null_speed(base, n, swivel_jacobian, swivel_rate, gains: IkGains) -> 
     return (swivel_rate - swivel_jacobian @ base) * along / (along * along + floor)
 
 
-def resolve_null(jacobian, twist, null_speed: Callable, low, high, gains: IkGains, gentle=None):
+def resolve_null(jacobian, twist, null_speed: Callable, low, high, gains: IkGains, gentle=None, inverse=None):
     """Joint velocities s J^+ X' + alpha n of one arm, within the joint limits.
 
     Args:
         jacobian: (6, 7) of the palm, angular above translational.
         twist: (6,) commanded palm twist.
         null_speed: (s J^+ X', n), each (7,) -> the alpha that is asked for.
-        low: (7,) lower bounds from `velocity_bounds`.
+        low: (7,) lower bounds from `velocity_bounds` or `within_reach`.
         high: (7,) upper bounds.
         gains: of them the damping counts here.
         gentle: the last joint velocities (7,) and by how much the null motion may differ from theirs, rad/s: a jump of
             the person's swivel angle then becomes no jump of torque.
+        inverse: (J^+, n) from `damped_inverse`, where they are known already.
 
     Returns:
         q' (7,), rad/s, and the share s in [0, 1] of the palm's twist that is met.
     """
-    inverse, n = damped_inverse(jacobian, gains.singular_value, gains.damping)
+    inverse, n = inverse or damped_inverse(jacobian, gains.singular_value, gains.damping)
     base = inverse @ twist
     scale = 1.0
     least, most = null_interval(base, n, low, high)
     if least > most:
-        scale = largest_scale(base, n, low, high)
+        smallest, largest = scale_interval(base, n, low, high)
+        scale = min(max(largest, 0.0), 1.0)
+        if smallest > scale + 1e-9 and not np.all((low <= 0.0) & (high >= 0.0)):
+            wished = base + _gentle(null_speed(base, n), n, gentle) * n
+            stacked = [array[None] for array in (jacobian, base, wished, low, high)]
+            nearest, scales = nearest_velocities(*stacked)
+            return nearest[0], float(scales[0])
+        scale = _calm_scale(base, n, low, high, max(smallest, 0.0), scale, gentle)
         base = scale * base
         least, most = null_interval(base, n, low, high)
         middle = 0.5 * (least + most)
         least, most = min(least, middle), max(most, middle)
-    alpha = null_speed(base, n)
-    if gentle is not None:
-        previous, change = gentle
-        alpha = np.clip(alpha, n @ previous - change, n @ previous + change)
+    alpha = _gentle(null_speed(base, n), n, gentle)
     return base + np.clip(alpha, least, most) * n, scale
 
 
-def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkGains, gentle=None):
+def _calm_scale(base, n, low, high, smallest, largest, gentle) -> float:
+    """A share s of the twist, in [smallest, largest], that does not throw the arm about for a little progress.
+
+    The largest share leaves the null motion no choice but the one that brings it about. With the palm held up, say at
+    the end of its reach, a thousandth of progress would be bought with an elbow at full speed, one way and then back.
+    Hence the smaller the largest share, the nearer to the one that is possible with the null motion at rest, or
+    braking. It does not depend on what is asked of the swivel: the palm comes first.
+    """
+    rest = 0.0
+    if gentle is not None:
+        previous, change = gentle
+        rest = max(abs(n @ previous) - 0.5 * change, 0.0)
+    still = scale_interval(np.append(base, 0.0), np.append(n, 1.0), np.append(low, -rest), np.append(high, rest))
+    if still[0] > still[1]:
+        return largest
+    return largest * largest + (1.0 - largest) * max(min(still[1], largest), smallest)
+
+
+def _gentle(alpha, n, gentle):
+    if gentle is None:
+        return alpha
+    previous, change = gentle
+    return np.clip(alpha, n @ previous - change, n @ previous + change)
+
+
+def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkGains, gentle=None, inverse=None):
     """Joint velocities of one arm that meet the palm's twist and then the swivel rate.
 
     Args:
@@ -161,10 +233,11 @@ def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkG
         twist: (6,) commanded palm twist.
         swivel_jacobian: (7,) J_psi.
         swivel_rate: commanded psi', rad/s.
-        low: (7,) lower bounds from `velocity_bounds`.
+        low: (7,) lower bounds, as in `resolve_null`.
         high: (7,) upper bounds.
         gains: of them the damping and the null floor count here.
         gentle: as in `resolve_null`.
+        inverse: as in `resolve_null`.
 
     Returns:
         q' (7,), rad/s, and the share s in [0, 1] of the palm's twist that is met.
@@ -177,4 +250,5 @@ def resolve(jacobian, twist, swivel_jacobian, swivel_rate, low, high, gains: IkG
         high,
         gains,
         gentle,
+        inverse,
     )

@@ -32,7 +32,11 @@ class ArmState(NamedTuple):
 
 
 class DualArmKinematics:
-    """Kinematics of the two arms; holds a plant of its own and its context."""
+    """Kinematics of the two arms; holds a plant of its own and its context.
+
+    Attributes:
+        straight_elbow: (2,) the angles of joint 4, rad, at which each arm is straight; bent are smaller ones.
+    """
 
     def __init__(self, plant: MultibodyPlant | None = None):
         """Use a finalized plant with both arms and nothing else that moves; one is made when none is given."""
@@ -50,6 +54,18 @@ class DualArmKinematics:
             self._shoulders.append(shoulder.CalcPoseInWorld(self._context).translation())
             first = self._plant.GetJointByName("panda_joint1", instance).velocity_start()
             self._columns.append(slice(first, first + JOINTS_PER_ARM))
+        self.straight_elbow = self._straight_elbow()
+
+    def _straight_elbow(self) -> np.ndarray:
+        """The angles (2,) of joint 4, rad, at which shoulder, elbow and wrist lie on one line."""
+        self._plant.SetPositions(self._context, np.zeros(2 * JOINTS_PER_ARM))
+        angles = np.empty(2)
+        for arm, (_, *frames) in enumerate(self._frames):
+            elbow, wrist = (frame.CalcPoseInWorld(self._context).translation() for frame in frames)
+            upper, fore = elbow - self._shoulders[arm], wrist - elbow
+            # At 0 the links are parallel and the elbow, whose axis lies beside them, is past straight.
+            angles[arm] = -np.arctan2(np.linalg.norm(cross(upper, fore)), upper @ fore)
+        return angles
 
     def evaluate(self, q: np.ndarray) -> tuple[ArmState, ArmState]:
         """Both arms at q (14,)."""

@@ -76,7 +76,7 @@ def test_palms_and_elbows_converge_to_a_pose_at_rest():
     assert before[1] > 0.15
     history = []
     for _ in range(300):
-        q_dot, scale, now = tracker.velocity(q, pose, REST[0], swivel, REST[1])
+        q_dot, scale, now, *_ = tracker.velocity(q, pose, REST[0], swivel, REST[1])
         np.testing.assert_allclose(now, poses(q)[1])
         q = q + DT * q_dot
         history.append(errors(q, pose, swivel))
@@ -127,7 +127,7 @@ def test_whatever_is_asked_for_joints_stay_within_their_limits(seed):
     pose, swivel = poses(rng.uniform(LIMITS.lower, LIMITS.upper))
     tracker = DualArmTracker(KINEMATICS, LIMITS)
     for _ in range(5):
-        q_dot, scale, _ = tracker.velocity(q, pose, rng.normal(size=(2, 6)), swivel, rng.normal(size=2))
+        q_dot, scale, *_ = tracker.velocity(q, pose, rng.normal(size=(2, 6)), swivel, rng.normal(size=2))
         assert np.all(np.abs(q_dot) <= 0.9 * LIMITS.velocity + 1e-6)
         assert np.all((scale >= 0) & (scale <= 1))
         q = q + 0.1 * q_dot

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
 from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.errors import ScenarioError, TaskError
-from drake_blfdmp.robot.differential_ik import IkGains
+from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, HOME, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.swivel import wrap
@@ -25,6 +26,9 @@ OUTPUTS = {
     "desired_state_right": 14,
     "task_scale": 2,
     "swivel_now": 2,
+    "task_deviation": 2,
+    "tempo": 1,
+    "clearance": 1,
 }
 
 
@@ -79,6 +83,9 @@ def test_it_starts_at_rest_at_the_initial_position(system):
     np.testing.assert_array_equal(values["position"], START)
     np.testing.assert_array_equal(values["velocity"], 0.0)
     np.testing.assert_array_equal(values["task_scale"], 1.0)
+    np.testing.assert_array_equal(values["task_deviation"], 0.0)
+    assert values["tempo"] == 1.0
+    assert values["clearance"] == np.inf
     np.testing.assert_allclose(values["swivel_now"], [s.swivel for s in KINEMATICS.evaluate(START)])
 
 
@@ -88,13 +95,14 @@ def test_the_update_is_one_step_of_the_tracker(system):
     tracker, q, q_dot = DualArmTracker(KINEMATICS, LIMITS), START, np.zeros(14)
     for _ in range(5):
         update(system, context)
-        q_dot, scale, now = tracker.velocity(q, *values, q_dot, DT)
+        q_dot, scale, now, *rest = tracker.velocity(q, *values, q_dot, DT)
         q = q + DT * q_dot
         got = outputs(system, context)
         np.testing.assert_allclose(got["position"], q, atol=1e-13)
         np.testing.assert_allclose(got["velocity"], q_dot, atol=1e-13)
         np.testing.assert_array_equal(got["task_scale"], scale)
         np.testing.assert_allclose(got["swivel_now"], now)
+        np.testing.assert_array_equal(got["task_deviation"], rest[0])
     assert np.abs(q - START).max() > 0.01
 
 
@@ -155,37 +163,43 @@ def test_a_measured_position_is_where_the_kinematics_are_but_the_command_goes_on
     measured = START + 0.03
     system.GetInputPort("measured_position").FixValue(context, measured)
     update(system, context)
-    q_dot, _, now = DualArmTracker(KINEMATICS, LIMITS).velocity(measured, *values)
+    tracker = DualArmTracker(KINEMATICS, LIMITS)
+    q_dot, _, now, *_ = tracker.velocity(measured, *values, np.zeros(14), DT)
     got = outputs(system, context)
     np.testing.assert_allclose(got["velocity"], q_dot, atol=1e-13)
     np.testing.assert_allclose(got["position"], START + DT * q_dot, atol=1e-13)
     np.testing.assert_allclose(got["swivel_now"], now)
-    assert np.abs(q_dot - DualArmTracker(KINEMATICS, LIMITS).velocity(START, *values)[0]).max() > 1e-3
+    assert np.abs(q_dot - tracker.velocity(START, *values, np.zeros(14), DT)[0]).max() > 1e-3
 
 
 def test_a_blocked_arm_does_not_wind_the_command_past_its_limits(system):
     context = system.CreateDefaultContext()
     fix(system, context, goal((0.0, 0.2, 0.2), 0.0))
     system.GetInputPort("measured_position").FixValue(context, START)
-    for _ in range(400):
-        before = outputs(system, context)["position"]
+    inner = LIMITS.lower + DEFAULT_GAINS.limit_margin, LIMITS.upper - DEFAULT_GAINS.limit_margin
+    before = np.zeros(14)
+    for _ in range(600):
         update(system, context)
-    got = outputs(system, context)
-    assert np.any(np.isclose(got["position"], LIMITS.lower) | np.isclose(got["position"], LIMITS.upper))
-    assert np.all(got["position"] >= LIMITS.lower)
-    assert np.all(got["position"] <= LIMITS.upper)
-    np.testing.assert_allclose(got["velocity"], (got["position"] - before) / DT, atol=1e-9)
+        got = outputs(system, context)
+        assert np.all((got["position"] >= inner[0] - 1e-9) & (got["position"] <= inner[1] + 1e-9))
+        assert np.all(np.abs(got["velocity"] - before) <= DT * 0.9 * LIMITS.acceleration + 1e-9)
+        before = got["velocity"]
+    margin = np.minimum(got["position"] - inner[0], inner[1] - got["position"])
+    assert margin.min() < 1e-3  # It was blocked for long enough.
 
 
 def test_the_share_that_limits_let_through_is_reported(system):
     context = system.CreateDefaultContext()
     pose, twist, swivel, rate = goal()
+    pose[0, 4:] -= (0.03, 0.02, -0.04)  # The left palm is where it should be.
     pose[1, 4:] += [0.0, 1.5, 0.5]  # Far beyond what the right arm can do in one step.
-    fix(system, context, (pose, twist, swivel, rate))
+    fix(system, context, (pose, 0.1 * twist, swivel, rate))
     update(system, context)
-    left, right = outputs(system, context)["task_scale"]
+    got = outputs(system, context)
+    left, right = got["task_scale"]
     assert left == 1.0
     assert right < 0.9
+    assert got["tempo"] == pytest.approx(1.0 - (1.0 - right) * (1.0 - np.exp(-DT / DEFAULT_GAINS.tempo_fall)))
 
 
 @pytest.mark.parametrize("time_step", [0.0, -0.01, 0.06, float("nan")])
@@ -200,6 +214,29 @@ def test_a_time_step_that_cannot_work_is_refused(time_step):
 def test_an_initial_position_that_is_none_is_refused(initial_position):
     with pytest.raises(TaskError, match="14 finite joint angles"):
         make(initial_position=initial_position)
+
+
+@pytest.mark.parametrize("port", ["palm_poses", "palm_twists", "swivel", "swivel_rate", "measured_position"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_an_input_that_is_no_number_is_refused_by_name_in_a_running_simulation(port, bad):
+    builder = DiagramBuilder()
+    system = builder.AddNamedSystem("both_arms", make())
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    context = system.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    fix(system, context, goal())
+    simulator.AdvanceTo(1.5 * DT)
+    value = np.zeros(system.GetInputPort(port).size())
+    value[-1] = bad
+    system.GetInputPort(port).FixValue(context, value)
+    with pytest.raises(TaskError, match=rf"input port '{port}' of system '.*both_arms' is not finite at t = 0\.02 s"):
+        simulator.AdvanceTo(3.5 * DT)
+
+
+@pytest.mark.parametrize("clearance", [0.0, -0.01, float("nan"), float("inf")])
+def test_a_clearance_that_is_none_is_refused(clearance):
+    with pytest.raises(ScenarioError, match=r"clearance .* must be > 0 m, or None"):
+        make(clearance=clearance)
 
 
 def test_the_arms_wait_until_told(kinematics=KINEMATICS):
@@ -239,7 +276,7 @@ def test_what_fills_the_null_space_is_the_trackers(redundancy, mirrored):
     fix(system, context, values)
     update(system, context)
     tracker = DualArmTracker(KINEMATICS, LIMITS, redundancy=redundancy, mirrored=mirrored)
-    q_dot, _, now = tracker.velocity(START, *values, np.zeros(14), DT)
+    q_dot, _, now, *_ = tracker.velocity(START, *values, np.zeros(14), DT)
     got = outputs(system, context)
     np.testing.assert_allclose(got["velocity"], q_dot, atol=1e-13)
     np.testing.assert_allclose(got["swivel_now"], now)
