@@ -17,6 +17,7 @@ from drake_blfdmp.skeleton import HANDS, LINKS, POINTS, SHOULDERS
 
 _GUESSED = 0.75  # Confidence below which the sensor says that it guesses.
 _LEAST_WIDTH, _MOST_WIDTH = 0.08, 1.0  # m: boxes two Frankas can take between their palms.
+_SMALL_SHARE = 0.1  # Of a recording: arms that move for a minute come to move together for a second.
 _POOR_SEEN, _POOR_RATE, _POOR_WOBBLE = 0.8, 12.0, 0.05  # Shares, Hz and m that are worth a warning.
 
 
@@ -261,6 +262,12 @@ def _warnings(clock: ClockHealth, points: dict[str, PointHealth], holding: Holdi
             warnings.append(f"{name} is seen in {100 * point.seen:.0f} % of the frames only")
         if point.guessed is not None and point.guessed > 1.0 - _POOR_SEEN:
             warnings.append(f"{name} is guessed by the sensor in {100 * point.guessed:.0f} % of the frames")
+    held_s = 0.0 if holding is None else holding.end_s - holding.start_s
+    if holding is not None and held_s < _SMALL_SHARE * clock.duration_s:
+        warnings.append(
+            f"the hands keep a distance in {held_s:.1f} s of {clock.duration_s:.0f} s only, which may be chance: cut the "
+            "carry out with --frames, or play all of it without a box with --set task.kind=motion"
+        )
     if holding is not None and holding.wobble_m > _POOR_WOBBLE:
         warnings.append(
             f"the hands' distance wobbles by {1000 * holding.wobble_m:.0f} mm while they hold: give box.width if "

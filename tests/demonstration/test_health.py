@@ -119,3 +119,13 @@ def test_a_motion_in_which_nothing_is_held_is_suggested_as_one():
 
 def test_of_a_long_motion_as_much_is_suggested_as_may_be_played():
     assert examine(recorded(*wave(duration_s=130.0))).health.settings == ("task.kind=motion", "task.held=[0, 120]")
+
+
+def test_a_second_of_hold_in_a_minute_of_other_motion_is_said_to_be_doubtful():
+    still = np.arange(1, 30 * 60) / 30.0
+    idle = X[:1] + 0.03 * np.sin(1.3 * still)[:, None, None]
+    t, x = np.concatenate([T, T[-1] + still]), np.concatenate([X, X[-1:] - X[:1] + idle])
+    long = examine(recording(t, x)).health
+    assert long.suitable
+    assert any("may be chance" in reason for reason in long.reasons)
+    assert not any("may be chance" in reason for reason in examine(recording(T, X)).health.reasons)
