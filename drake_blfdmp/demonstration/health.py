@@ -265,8 +265,8 @@ def _warnings(clock: ClockHealth, points: dict[str, PointHealth], holding: Holdi
     held_s = 0.0 if holding is None else holding.end_s - holding.start_s
     if holding is not None and held_s < _SMALL_SHARE * clock.duration_s:
         warnings.append(
-            f"the hands keep a distance in {held_s:.1f} s of {clock.duration_s:.0f} s only, which may be chance: cut the "
-            "carry out with --frames, or play all of it without a box with --set task.kind=motion"
+            f"the hands keep a distance in {held_s:.1f} s of {clock.duration_s:.0f} s only, which may be chance: cut "
+            "the carry out with --frames, or play all of it without a box with --set task.kind=motion"
         )
     if holding is not None and holding.wobble_m > _POOR_WOBBLE:
         warnings.append(
