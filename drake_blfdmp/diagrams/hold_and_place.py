@@ -14,11 +14,19 @@ from drake_blfdmp.planning.task import LawGains
 from drake_blfdmp.robot.box import AddBox, AddTable
 from drake_blfdmp.robot.contact import ContactPlantConfig, palm_bodies
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import AddDualPanda, JointLimits, ReadJointLimits, SetJointPd
+from drake_blfdmp.robot.plant import (
+    DEFAULT_DAMPING,
+    DEFAULT_STIFFNESS,
+    AddDualPanda,
+    JointLimits,
+    ReadJointLimits,
+    SetJointPd,
+)
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.systems.palm_forces import PalmForces
 from drake_blfdmp.systems.retargeting import Retargeting
 from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
+from drake_blfdmp.systems.timed_push import TimedPush
 
 
 @dataclass(frozen=True)
@@ -51,14 +59,19 @@ class HoldAndPlace:
 def AddPlannedPlant(
     builder: DiagramBuilder, plan: Plan
 ) -> tuple[MultibodyPlant, SceneGraph, tuple[ModelInstanceIndex, ...], RigidBody | None]:
-    """Add the finalized plant of a plan: both arms under joint PD, the tables and, where there is one, the box."""
+    """Add the finalized plant of a plan: both arms under joint PD, the tables and, where there is one, the box.
+
+    What `scenario.reality` says otherwise than the plan believes is so here.
+    """
     plant, scene_graph = AddMultibodyPlant(ContactPlantConfig(plan.scenario.simulation.time_step), builder)
     arms = AddDualPanda(plant)
     for table in plan.tables:
         AddTable(plant, table)
-    box = None if plan.box is None else AddBox(plant, plan.box)
+    real_box = plan.real_box
+    box = None if real_box is None else AddBox(plant, real_box)
     plant.Finalize()
-    SetJointPd(plant, arms)
+    softer = plan.scenario.reality.stiffness_scale
+    SetJointPd(plant, arms, softer * np.array(DEFAULT_STIFFNESS), np.sqrt(softer) * np.array(DEFAULT_DAMPING))
     return plant, scene_graph, arms, box
 
 
@@ -100,6 +113,7 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
         builder.Connect(retargeting.GetOutputPort(name), ik.GetInputPort(name))
     for arm, name in zip(arms, ("left", "right"), strict=True):
         builder.Connect(ik.GetOutputPort(f"desired_state_{name}"), plant.get_desired_state_input_port(arm))
+    _add_push(builder, plan, plant, arms)
     forces = None if box is None else _add_palm_forces(builder, plant, arms, box)
     return HoldAndPlace(plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits)
 
@@ -110,6 +124,16 @@ def _add_palm_forces(
     forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))
     builder.Connect(plant.get_contact_results_output_port(), forces.GetInputPort("contact_results"))
     return forces
+
+
+def _add_push(builder: DiagramBuilder, plan: Plan, plant: MultibodyPlant, arms: tuple[ModelInstanceIndex, ...]) -> None:
+    reality = plan.scenario.reality
+    if not np.any(reality.push_force):
+        return
+    palm = palm_bodies(plant, arms)[("left", "right").index(reality.push_arm)]
+    push = TimedPush(body=palm, force=reality.push_force, start_s=plan.push_at_s, duration_s=reality.push_duration)
+    builder.AddNamedSystem("push", push)
+    builder.Connect(push.get_output_port(), plant.get_applied_spatial_force_input_port())
 
 
 def SetInitialState(parts: HoldAndPlace, diagram: Diagram, context: Context) -> None:

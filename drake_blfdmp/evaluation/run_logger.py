@@ -145,6 +145,6 @@ def _kinematics(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _clearances(plan: Plan, q: np.ndarray, box: np.ndarray | None) -> np.ndarray:
-    checker = ClearanceChecker(plan.tables, plan.box)
+    checker = ClearanceChecker(plan.tables, plan.real_box)
     poses = [None] * len(q) if box is None else [rigid(pose) for pose in box]
     return np.array([checker.min_clearance(posture, pose)[0] for posture, pose in zip(q, poses, strict=True)])

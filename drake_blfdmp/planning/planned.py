@@ -63,6 +63,30 @@ class Plan:
         """Length of the run, s."""
         return float(self.coupled.t[-1])
 
+    @property
+    def real_box(self) -> BoxParameters | None:
+        """The box that is simulated: `box` but for what `scenario.reality` changes; None without one.
+
+        Raises:
+            TaskError: nothing is left of its width.
+        """
+        if self.box is None:
+            return None
+        reality = self.scenario.reality
+        return replace(
+            self.box,
+            width=self.box.width + reality.width_error,
+            mass=self.box.mass * reality.mass_scale,
+            friction=self.box.friction * reality.friction_scale,
+        )
+
+    @property
+    def push_at_s(self) -> float:
+        """When `scenario.reality` pushes an arm, s on the simulation's clock."""
+        if self.scenario.reality.push_at is not None:
+            return self.scenario.reality.push_at
+        return float(np.mean((self.settle_s, self.task.skill.tau) if self.box is None else self.task.held))
+
     def planned_box(self) -> np.ndarray:
         """X_WB the plan has at every time of the coupled rollout: (N, 7); with a box alone."""
         grasped, released = self.task.held

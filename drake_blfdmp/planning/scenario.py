@@ -22,6 +22,7 @@ from drake_blfdmp.planning.scenario_sections import (
     GamsConfig,
     LearningConfig,
     PublishedConfig,
+    RealityConfig,
     RecordingConfig,
     RetargetConfig,
     SimulationConfig,
@@ -55,6 +56,7 @@ class Scenario:
     task: TaskConfig = field(default_factory=TaskConfig)
     box: BoxConfig = field(default_factory=BoxConfig)
     retarget: RetargetConfig = field(default_factory=RetargetConfig)
+    reality: RealityConfig = field(default_factory=RealityConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
 
 
@@ -108,11 +110,12 @@ def CheckScenario(scenario: Scenario) -> None:
         "synthetic.sensor": (scenario.synthetic.sensor, SENSOR_NAMES),
         "task.kind": (scenario.task.kind, TASK_KINDS),
         "retarget.redundancy": (scenario.retarget.redundancy, REDUNDANCIES),
+        "reality.push_arm": (scenario.reality.push_arm, ("left", "right")),
     }
     for key, (value, allowed) in choices.items():
         if value not in allowed:
             raise ScenarioError(f"scenario: {key} is '{value}'; choose one of {', '.join(allowed)}")
-    simulation, task, box = scenario.simulation, scenario.task, scenario.box
+    simulation, task, box, reality = scenario.simulation, scenario.task, scenario.box, scenario.reality
     positive = {
         "simulation.time_step": simulation.time_step,
         "simulation.skill_time_step": simulation.skill_time_step,
@@ -128,6 +131,10 @@ def CheckScenario(scenario: Scenario) -> None:
         "published.d_z": scenario.published.d_z,
         "published.largest_rate": scenario.published.largest_rate,
         "gams.c_k": scenario.gams.c_k,
+        "reality.mass_scale": reality.mass_scale,
+        "reality.friction_scale": reality.friction_scale,
+        "reality.stiffness_scale": reality.stiffness_scale,
+        "reality.push_duration": reality.push_duration,
     }
     optional = {
         "box.width": box.width,
@@ -151,9 +158,13 @@ def CheckScenario(scenario: Scenario) -> None:
         ("task.tail", task.tail),
         ("published.k_2", scenario.published.k_2),
         ("gams.c_2", scenario.gams.c_2),
+        *((("reality.push_at", reality.push_at),) if reality.push_at is not None else ()),
     ):
         if not 0 <= value < float("inf"):
             raise ScenarioError(f"scenario: {key} must not be negative, not {value}")
+    for key, values in (("reality.push_force", reality.push_force), ("reality.width_error", [reality.width_error])):
+        if not all(abs(value) < float("inf") for value in values):
+            raise ScenarioError(f"scenario: {key} must be finite, not {values}")
     if simulation.time_step > LONGEST_TIME_STEP:
         raise ScenarioError(
             f"scenario: simulation.time_step is {simulation.time_step:g} s; contact needs at most "
@@ -175,6 +186,7 @@ def CheckScenario(scenario: Scenario) -> None:
         ("task.held", task.held, 2),
         ("task.place_offset", task.place_offset, 3),
         ("retarget.world", scenario.retarget.world, 3),
+        ("reality.push_force", reality.push_force, 3),
     ):
         if value is not None and len(value) != size:
             raise ScenarioError(f"scenario: {key} must have {size} numbers, not {len(value)}")

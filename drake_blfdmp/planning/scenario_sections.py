@@ -184,6 +184,30 @@ class TaskConfig:
 
 
 @dataclass
+class RealityConfig:
+    """How the simulated world differs from what the plan believes; by default in nothing.
+
+    Attributes:
+        mass_scale, friction_scale: of the box.
+        width_error: how much wider the box is.
+        stiffness_scale: of the arms' joint PD; its damping changes with the square root.
+        push_arm: "left" or "right": whose palm is pushed.
+        push_force: (x, y, z) in the robots' world, N; 0 pushes nothing.
+        push_at: when, on the simulation's clock; None: halfway through the hold or, without a box, through the motion.
+        push_duration: for how long.
+    """
+
+    mass_scale: float = 1.0
+    friction_scale: float = 1.0
+    width_error: float = 0.0
+    stiffness_scale: float = 1.0
+    push_arm: str = "left"
+    push_force: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    push_at: float | None = None
+    push_duration: float = 0.2
+
+
+@dataclass
 class RetargetConfig:
     """From the person to the arms; None is chosen so that the whole motion is reachable with margin.
 

@@ -179,6 +179,12 @@ def test_a_file_that_is_not_yaml_or_not_there_is_refused_by_name(tmp_path):
         ("recording.weights=[1, 1]", "recording.weights must have 1 numbers, one for each recording, not 2"),
         ("recording.weights=[-1]", "recording.weights[0] must be positive"),
         ("recording.rate_hz=0", "recording.rate_hz must be positive"),
+        ("reality.mass_scale=0", "reality.mass_scale must be positive"),
+        ("reality.width_error=.nan", "reality.width_error must be finite"),
+        ("reality.push_force=[.inf, 0, 0]", "reality.push_force must be finite"),
+        ("reality.push_force=[1]", "reality.push_force must have 3 numbers"),
+        ("reality.push_at=-1", "reality.push_at must not be negative"),
+        ("reality.push_arm=middle", "choose one of left, right"),
     ],
 )
 def test_a_value_out_of_range_is_named_with_what_is_allowed(tmp_path, setting, expected):
