@@ -6,8 +6,9 @@ import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 
+from drake_blfdmp.diagrams.feedback import AddHandsObserver, AddTempo
 from drake_blfdmp.diagrams.skill import AddSkill, SkillSystems
 from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.planning.task import LawGains
@@ -23,6 +24,7 @@ from drake_blfdmp.robot.plant import (
     SetJointPd,
 )
 from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.skill.canonical import time_at
 from drake_blfdmp.systems.palm_forces import PalmForces
 from drake_blfdmp.systems.retargeting import Retargeting
 from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
@@ -42,6 +44,8 @@ class HoldAndPlace:
         box: the free body; None in a motion without one.
         palm_forces: the monitor of contact forces on it; None without one.
         limits: of the joints.
+        tempo: of the skill's clock; None where nothing slows it.
+        observer: of the palms' real distance, fed back or not.
     """
 
     plan: Plan
@@ -54,6 +58,8 @@ class HoldAndPlace:
     box: RigidBody | None
     palm_forces: System | None
     limits: JointLimits
+    tempo: OutputPort | None
+    observer: System
 
 
 def AddPlannedPlant(
@@ -115,7 +121,9 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
         builder.Connect(ik.GetOutputPort(f"desired_state_{name}"), plant.get_desired_state_input_port(arm))
     _add_push(builder, plan, plant, arms)
     forces = None if box is None else _add_palm_forces(builder, plant, arms, box)
-    return HoldAndPlace(plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits)
+    tempo = AddTempo(builder, plan, plant, arms, skill, retargeting, ik)
+    observer = AddHandsObserver(builder, plan, plant, arms, skill, forces, tempo)
+    return HoldAndPlace(plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits, tempo, observer)
 
 
 def _add_palm_forces(
@@ -151,3 +159,10 @@ def MakeHoldAndPlace(plan: Plan) -> tuple[Diagram, HoldAndPlace]:
     builder = DiagramBuilder()
     parts = AddHoldAndPlace(builder, plan)
     return builder.Build(), parts
+
+
+def SkillClock(parts: HoldAndPlace, context: Context) -> float:
+    """How far the skill is on its own clock in a diagram's context, s: behind the time where the tempo was below 1."""
+    skill = parts.plan.task.skill
+    phase = parts.skill.canonical.GetOutputPort("phase").Eval(parts.skill.canonical.GetMyContextFromRoot(context))
+    return float(time_at(np.asarray(phase)[0], skill.tau, skill.gamma))

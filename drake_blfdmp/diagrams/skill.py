@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from pydrake.systems.framework import DiagramBuilder, System
+from pydrake.systems.framework import DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_blfdmp.skill.bands import Bands
@@ -99,3 +99,9 @@ def AddSkill(
     return SkillSystems(
         canonical, forcing, goal, transformation, band_system, coupler, reshaper=reshaper, point_coupler=point_coupler
     )
+
+
+def ConnectTempo(builder: DiagramBuilder, skill: SkillSystems, tempo: OutputPort) -> None:
+    """Let `tempo` (1), >= 0, run the clock of a skill that was added: of all its systems alike."""
+    for system in (skill.canonical, skill.forcing, skill.transformation):
+        builder.Connect(tempo, system.GetInputPort("tempo"))

@@ -12,7 +12,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import AffineSystem
 
-from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, HoldAndPlace, SetInitialState
+from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, HoldAndPlace, SetInitialState, SkillClock
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog, PlannedEvents
 from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
@@ -30,6 +30,9 @@ Progress = Callable[[str, float], None]
 
 MOST_SCENE_FRAMES = 1000
 """A scene has no more; one of them takes about 5 kB."""
+
+LONGEST = 3.0
+"""A run whose phase is slowed down is given this many times its planned duration."""
 
 GHOST_AT = np.array([0.8, -0.1, 1.3])
 """Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
@@ -137,9 +140,12 @@ def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, sta
     end = plan.duration_s
     started = time.perf_counter()
     simulator.Initialize()
-    for t in np.append(np.arange(0.1, end, 0.1), end):
+    for t in (*np.arange(0.1, end, 0.1), end, *np.arange(end + 0.1, LONGEST * end, 0.1)):
         simulator.AdvanceTo(float(t))
-        progress("simulating", float(t) / end)
+        clock = SkillClock(parts, context)
+        progress("simulating", min(clock / end, 1.0))
+        if t >= end and clock >= end - 1e-6:
+            break
     wall = time.perf_counter() - started
     viewer.StopRecording()
     progress("measuring", 0.0)
@@ -149,7 +155,7 @@ def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, sta
     write_scene_html(
         viewer, folder / "scene.html", title=f"{scenario.name}: law {scenario.law}, {source} person", legend=LEGEND
     )
-    return log, logger.margins(context, plan.task.bands), wall, end, recorder
+    return log, logger.margins(context), wall, context.get_time(), recorder
 
 
 def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:
@@ -185,7 +191,10 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
         ("margin", skill.coupler.GetOutputPort("margin"), links, "1"),
         ("desired_position", parts.ik.GetOutputPort("position"), joints, "rad"),
         ("task_scale", parts.ik.GetOutputPort("task_scale"), ["left", "right"], "1"),
+        ("hands", parts.observer.GetOutputPort("effective_distance"), ["distance"], "m"),
     ]
+    if parts.tempo is not None:
+        signals.append(("tempo", parts.tempo, ["tempo"], "1"))
     if parts.palm_forces is not None:
         signals.append(("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"))
     for name, port, elements, unit in signals:

@@ -81,6 +81,27 @@ def robot_metrics(log: RunLog, settle_s: float = 0.0) -> dict[str, float]:
     }
 
 
+def feedback_metrics(log: RunLog, settle_s: float, duration_s: float) -> dict[str, float | int | bool]:
+    """What the robot's state changed in its motion, and whether its own hands kept the band, from `settle_s` on.
+
+    Args:
+        duration_s: of the motion on the skill's clock.
+    """
+    follows = log.t >= settle_s
+    middle, half = 0.5 * (log.lower + log.upper)[:, HANDS], 0.5 * (log.upper - log.lower)[:, HANDS]
+    xi = (np.abs(log.hands - middle) / half)[follows]
+    lag = np.linalg.norm((log.palm - log.palm_desired)[follows, :, 4:].mean(axis=1), axis=-1)
+    return {
+        "finished": bool(log.clock[-1] >= duration_s - 0.05),
+        "min_tempo": float(log.tempo.min()),
+        "delay_s": float(log.t[-1] - log.clock[-1]),
+        "max_middle_error_m": float(lag.max()),
+        "hands_outside_samples": int(np.sum(xi >= 1.0)),
+        "hands_outside_s": float(np.sum(xi >= 1.0) * np.median(np.diff(log.t))),
+        "hands_min_margin": float(1.0 - xi.max()),
+    }
+
+
 def tilt_deg(pose, desired):
     """The angle between the boxes' up axes, degrees: (...)."""
     return np.rad2deg(np.arccos(np.clip(np.sum(up_axis(pose) * up_axis(desired), axis=-1), -1.0, 1.0)))
@@ -105,14 +126,14 @@ def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: floa
     """What happened to the box, which the log must have.
 
     Args:
-        held: when it is squeezed, s.
+        held: when it is squeezed, s on the skill's clock.
         goal: (7,) where the plan puts it.
         start_height: of its centre before the grasp, m.
         width: of the box, m.
     """
     if log.box is None or log.box_desired is None:
         raise ValueError("a motion without a box has no metrics of one")
-    inside = (log.t >= held[0]) & (log.t <= held[1])
+    inside = (log.clock >= held[0]) & (log.clock <= held[1])
     force = log.palm_force[inside]
     gripped = force.min(axis=1) if len(force) else np.zeros(1)
     end = log.box[-1, 4:]

@@ -14,9 +14,7 @@ from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.reach import rigid
-from drake_blfdmp.skill.bands import Bands
-from drake_blfdmp.skill.barrier import middles_and_half_widths
-from drake_blfdmp.skill.geometry import link_lengths
+from drake_blfdmp.skill.canonical import time_at
 from drake_blfdmp.skill.profiles import HandDistance
 
 
@@ -35,15 +33,13 @@ class RunLogger:
         """The sample times (N,), s."""
         return np.array(self.sinks["phase"].FindLog(context).sample_times())
 
-    def margins(self, context: Context, bands: Bands) -> np.ndarray:
+    def margins(self, context: Context) -> np.ndarray:
         """1 - |xi| of every link at every step of the simulated skill: (M, 5)."""
-        log = self.every_step.FindLog(context)
-        (m, _, _), (w, _, _) = middles_and_half_widths(bands.evaluate(np.array(log.sample_times())))
-        return 1.0 - np.abs(link_lengths(log.data().T.reshape(-1, 6, 3)) - m) / w
+        return np.array(self.every_step.FindLog(context).data().T)
 
 
 def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
-    """Log at the scenario's recording rate, and the six points at every step of the skill."""
+    """Log at the scenario's recording rate, and the links' margins at every step of the skill."""
     simulation = parts.plan.scenario.simulation
     period = 1.0 / simulation.record_rate_hz
     left, right = parts.arms
@@ -57,6 +53,7 @@ def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
         "swivel": parts.retargeting.GetOutputPort("swivel"),
         "q_desired": parts.ik.GetOutputPort("position"),
         "task_scale": parts.ik.GetOutputPort("task_scale"),
+        "hands": parts.observer.GetOutputPort("effective_distance"),
         "left_state": plant.get_state_output_port(left),
         "right_state": plant.get_state_output_port(right),
         "left_effort": plant.get_net_actuation_output_port(left),
@@ -66,8 +63,10 @@ def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
         ports["box_state"] = plant.get_state_output_port(parts.box.model_instance())
     if parts.palm_forces is not None:
         ports["palm_force"] = parts.palm_forces.get_output_port()
+    if parts.tempo is not None:
+        ports["tempo"] = parts.tempo
     sinks = {name: LogVectorOutput(port, builder, period) for name, port in ports.items()}
-    every_step = LogVectorOutput(skill.transformation.GetOutputPort("position"), builder, simulation.skill_time_step)
+    every_step = LogVectorOutput(skill.coupler.GetOutputPort("margin"), builder, simulation.skill_time_step)
     return RunLogger(sinks, every_step)
 
 
@@ -81,15 +80,19 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
     # A motion without a box has neither.
     box = logger.log("box_state", context)[:, :7] if "box_state" in logger.sinks else None
     force = logger.log("palm_force", context) if "palm_force" in logger.sinks else np.zeros((n, 2))
-    index = np.minimum(np.round(t / plan.scenario.simulation.skill_time_step).astype(int), len(plan.coupled.t) - 1)
+    phase = logger.log("phase", context)[:, 0]
+    clock = time_at(phase, plan.task.skill.tau, plan.task.skill.gamma)
+    index = np.minimum(np.round(clock / plan.scenario.simulation.skill_time_step).astype(int), len(plan.coupled.t) - 1)
     palm, swivel = _kinematics(q)
     motion, stretch = plan.task.motion, plan.stretch
     demonstrated = np.stack(
-        [np.interp(t, motion.t * stretch, column) for column in motion.x.reshape(len(motion.t), 18).T], axis=-1
+        [np.interp(clock, motion.t * stretch, column) for column in motion.x.reshape(len(motion.t), 18).T], axis=-1
     )
     return RunLog(
         t=t,
-        phase=logger.log("phase", context)[:, 0],
+        clock=clock,
+        phase=phase,
+        tempo=logger.log("tempo", context)[:, 0] if "tempo" in logger.sinks else np.ones(n),
         position=logger.log("position", context).reshape(n, 6, 3),
         uncoupled=plan.uncoupled.x[index],
         demonstrated=demonstrated.reshape(n, 6, 3),
@@ -109,17 +112,18 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
         palm_desired=logger.log("palm_poses", context).reshape(n, 2, 7),
         swivel=swivel,
         swivel_desired=logger.log("swivel", context),
+        hands=logger.log("hands", context)[:, 0],
         palm_force=force,
         box=box,
         box_desired=None if box is None else plan.planned_box()[index],
         clearance=_clearances(plan, q, box),
-        events=PlannedEvents(plan),
-        spread=plan.task.skill.spread_at(t),
+        events=tuple((name, float(np.interp(at, clock, t))) for name, at in PlannedEvents(plan)),
+        spread=plan.task.skill.spread_at(clock),
     )
 
 
 def PlannedEvents(plan: Plan) -> tuple[tuple[str, float], ...]:
-    """The task's phases by the plan's clock: (name, time in s)."""
+    """The task's phases by the skill's clock: (name, time in s)."""
     hands, events = plan.task.bands.hands, plan.task.skill.events
     if not isinstance(hands, HandDistance):
         return tuple((name, float(t)) for name, t in events.items())

@@ -24,10 +24,15 @@ def find_failures(summary: dict, thresholds: Thresholds = Thresholds()) -> list[
     """One sentence for every threshold that a summary misses; an empty list is success.
 
     Args:
-        summary: with the entries `links`, `robot` and `box` of `summary.json`.
+        summary: with the entries `links`, `robot`, `feedback` and `box` of `summary.json`.
     """
     robot = summary["robot"]
     failures = _task_failures(summary, thresholds)
+    if not summary["feedback"]["finished"]:
+        failures.append(
+            "The motion was not finished: the arms could not keep up, or were held up, and its phase was slowed down "
+            f"to {summary['feedback']['min_tempo']:.2f} of its tempo."
+        )
     for name, link in summary["links"].items():
         if link["violations"]:
             failures.append(

@@ -8,6 +8,7 @@ import numpy as np
 from drake_blfdmp import __version__
 from drake_blfdmp.evaluation.metrics import (
     box_metrics,
+    feedback_metrics,
     largest_barrier_derivative,
     link_metrics,
     rms_distance,
@@ -132,6 +133,7 @@ def MakeSummary(plan: Plan, log: RunLog, margins: np.ndarray, simulated_s: float
             "mobility": None if mobility is None else by_point(mobility),
         },
         "robot": robot_metrics(log, plan.settle_s),
+        "feedback": feedback_metrics(log, plan.settle_s, plan.duration_s),
         "box": None
         if plan.box is None or plan.start is None
         else box_metrics(log, plan.task.held, plan.goal, float(plan.start[6]), plan.box.width),

@@ -10,7 +10,7 @@ from drake_blfdmp.planning.planned import AdaptationNotes, BelowPalms, FindReach
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
-from drake_blfdmp.planning.squeeze import SqueezeDepth
+from drake_blfdmp.planning.squeeze import SqueezeCompliance, SqueezeDepth
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
 from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task
 from drake_blfdmp.robot.box import BoxParameters
@@ -120,8 +120,9 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
             reach = _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, reach.retarget)
         scenario = replace(scenario, task=replace(scenario.task, place_offset=[0.0, 0.0, 0.0]))
     stretch = scenario.task.duration_scale or reach.stretch
+    held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
+    compliance = SqueezeCompliance(plant, reach.following.q[held])
     if scenario.task.squeeze is None:
-        held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
         squeeze = SqueezeDepth(plant, reach.following.q[held], scenario.task.squeeze_force)
         scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze))
         task = MakeTask(scenario, source, motion)
@@ -152,6 +153,7 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         tables=MakeSupports(*ends, box, same_level),
         stretch=stretch,
         notes=tuple(notes),
+        squeeze_compliance=compliance,
     )
 
 

@@ -33,6 +33,7 @@ class Plan:
         tables: what it stands on.
         stretch: how much longer than the person's the motion takes.
         notes: sentences on what was adapted, for people.
+        squeeze_compliance: by how much nearer the palms must be commanded for a squeeze, m/N; None without a box.
     """
 
     scenario: Scenario
@@ -47,6 +48,7 @@ class Plan:
     tables: list[TableParameters]
     stretch: float
     notes: tuple[str, ...]
+    squeeze_compliance: float | None = None
 
     @property
     def retarget(self) -> Retarget:

@@ -18,6 +18,7 @@ from drake_blfdmp.planning.scenario_sections import (
     TASK_KINDS,
     BandsConfig,
     BoxConfig,
+    FeedbackConfig,
     GainsConfig,
     GamsConfig,
     LearningConfig,
@@ -56,6 +57,7 @@ class Scenario:
     task: TaskConfig = field(default_factory=TaskConfig)
     box: BoxConfig = field(default_factory=BoxConfig)
     retarget: RetargetConfig = field(default_factory=RetargetConfig)
+    feedback: FeedbackConfig = field(default_factory=FeedbackConfig)
     reality: RealityConfig = field(default_factory=RealityConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
 
@@ -131,6 +133,10 @@ def CheckScenario(scenario: Scenario) -> None:
         "published.d_z": scenario.published.d_z,
         "published.largest_rate": scenario.published.largest_rate,
         "gams.c_k": scenario.gams.c_k,
+        "feedback.rate": scenario.feedback.rate,
+        "feedback.largest": scenario.feedback.largest,
+        "feedback.contact_force": scenario.feedback.contact_force,
+        "feedback.scale": scenario.feedback.scale,
         "reality.mass_scale": reality.mass_scale,
         "reality.friction_scale": reality.friction_scale,
         "reality.stiffness_scale": reality.stiffness_scale,
@@ -158,6 +164,7 @@ def CheckScenario(scenario: Scenario) -> None:
         ("task.tail", task.tail),
         ("published.k_2", scenario.published.k_2),
         ("gams.c_2", scenario.gams.c_2),
+        ("feedback.slack", scenario.feedback.slack),
         *((("reality.push_at", reality.push_at),) if reality.push_at is not None else ()),
     ):
         if not 0 <= value < float("inf"):

@@ -184,6 +184,30 @@ class TaskConfig:
 
 
 @dataclass
+class FeedbackConfig:
+    """What the robot's state changes in its motion (`robot.palm_feedback`, `systems.phase_stopping`).
+
+    Attributes:
+        hands: close the default law's loop on the hands around the palms' real distance and force.
+        rate: of the filter of that, 1/s.
+        largest: errors of the distance beyond it count as it, m.
+        contact_force: from which on the palms count as touching, N.
+        tempo: slow the skill's clock where the joints' limits ask for it.
+        phase_stopping: slow it where the palms are off their way.
+        slack, scale: tracking error that costs no time, and by how much more the tempo is halved, m.
+    """
+
+    hands: bool = True
+    rate: float = 12.0
+    largest: float = 0.03
+    contact_force: float = 10.0
+    tempo: bool = True
+    phase_stopping: bool = True
+    slack: float = 0.01
+    scale: float = 0.02
+
+
+@dataclass
 class RealityConfig:
     """How the simulated world differs from what the plan believes; by default in nothing.
 

@@ -14,7 +14,9 @@ class RunLog:
 
     Attributes:
         t: (N,) s.
+        clock: (N,) the skill's own clock, s: behind t where the tempo was below 1.
         phase: (N,).
+        tempo: (N,) how fast that clock runs; 1 where nothing slows it.
         position: (N, 6, 3) coupled skill, m.
         uncoupled: (N, 6, 3) the same skill without coupling, m.
         demonstrated: (N, 6, 3) what the skill was learned from, on the run's clock, m.
@@ -27,6 +29,7 @@ class RunLog:
         q_lower, q_upper, v_limit, effort_limit: (14,) limits.
         palm, palm_desired: (N, 2, 7) poses X_WP as qw qx qy qz x y z.
         swivel, swivel_desired: (N, 2) rad.
+        hands: (N,) the palms' effective distance, in the skill's measure, m (`robot.palm_feedback`).
         palm_force: (N, 2) normal force of each palm on the box, N; 0 in a motion without a box.
         box: (N, 7) pose X_WB as qw qx qy qz x y z; None in a motion without a box.
         box_desired: (N, 7) where the plan has it; None without one.
@@ -36,7 +39,9 @@ class RunLog:
     """
 
     t: np.ndarray
+    clock: np.ndarray
     phase: np.ndarray
+    tempo: np.ndarray
     position: np.ndarray
     uncoupled: np.ndarray
     demonstrated: np.ndarray
@@ -56,6 +61,7 @@ class RunLog:
     palm_desired: np.ndarray
     swivel: np.ndarray
     swivel_desired: np.ndarray
+    hands: np.ndarray
     palm_force: np.ndarray
     box: np.ndarray | None
     box_desired: np.ndarray | None

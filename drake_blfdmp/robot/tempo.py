@@ -27,3 +27,15 @@ def next_tempo(tempo, share, time_step: float, fall: float, rise: float, floor: 
     """
     up, down = -np.expm1(-time_step / rise), -np.expm1(-time_step / fall)
     return np.clip(tempo + up * (1.0 - tempo) - down * tempo * (1.0 - share), floor, 1.0)
+
+
+def tempo_towards(tempo, wanted, time_step: float, fall: float, rise: float):
+    """The tempo (...) one step later on its way to a wanted one (...): of first order, quick down and slow up.
+
+    Args:
+        time_step: s.
+        fall: time constant while the wanted tempo is lower, s.
+        rise: time constant while it is higher, s.
+    """
+    constant = np.where(np.asarray(wanted) < tempo, fall, rise)
+    return tempo - np.expm1(-time_step / constant) * (wanted - tempo)

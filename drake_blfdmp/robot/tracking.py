@@ -82,6 +82,7 @@ class Tracked(NamedTuple):
         deviation: (2,) m/s, the size (`nearest_velocity.twist_size`) of what each palm does beside that share: what
             damping near a singularity takes away, and what the joints cannot brake or turn in time.
         clearance: least distance of the arms now, m; inf where none is near or nobody asked.
+        palms: (2, 3) where the palms are one step on, m in W.
     """
 
     velocity: np.ndarray
@@ -89,6 +90,7 @@ class Tracked(NamedTuple):
     swivel: np.ndarray
     deviation: np.ndarray
     clearance: float
+    palms: np.ndarray
 
 
 class DualArmTracker:
@@ -192,7 +194,8 @@ class DualArmTracker:
         # The last digit is the bounds'.
         q_dot = np.minimum(np.maximum(q_dot, low), high)
         moved = (jacobians @ q_dot[..., None])[..., 0]
-        return Tracked(q_dot.ravel(), scale, now, twist_size(moved - scale[:, None] * commands), nearest)
+        palms = np.array([state.position for state in states]) + time_step * moved[:, 3:]
+        return Tracked(q_dot.ravel(), scale, now, twist_size(moved - scale[:, None] * commands), nearest, palms)
 
     def _clear(self, q, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step):
         """Velocities (2, 7) and scales (2,) that also keep the arms apart, and their least distance, m."""

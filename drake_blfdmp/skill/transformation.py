@@ -5,7 +5,6 @@ in m/s and m/s^2. Every function broadcasts and takes float, AutoDiffXd or Expre
 """
 
 import numpy as np
-from scipy.linalg import expm
 
 
 def nominal_acceleration(x, v, f, goal, tau, alpha_z, beta_z):
@@ -19,23 +18,38 @@ def derivatives(x, v, f, goal, coupling_acceleration, tau, alpha_z, beta_z):
     return v / tau, tau * (a + coupling_acceleration)
 
 
-def step_matrices(dt: float, tau: float | np.ndarray, alpha_z: float, beta_z: float) -> tuple[np.ndarray, np.ndarray]:
+CRITICAL = 1e-12
+"""Relative difference of beta_z from alpha_z / 4 below which the damping counts as critical."""
+
+
+def step_matrices(dt, tau, alpha_z: float, beta_z: float) -> tuple[np.ndarray, np.ndarray]:
     """The exact solution of (1) over one step with all inputs held.
 
-    With e = x - g and a constant forcing f, (e, v)(t + dt) = A (e, v)(t) + b f.
+    With e = x - g and a constant forcing f, (e, v)(t + dt) = A (e, v)(t) + b f. In closed form, so that a step may be
+    of any length, or of a scalar type that carries gradients: A = exp(-r dt) (C I + S (M + r I)), with the system's
+    matrix M, r = alpha_z / (2 tau), and C, S the cosh and sinh, cos and sin, or 1 and dt that the damping asks for.
 
     Args:
+        dt: s.
         tau: time scale (...), s.
 
     Returns:
         A (..., 2, 2), b (..., 2).
     """
-    rate = 1.0 / np.asarray(tau, dtype=float)
-    m = np.zeros((*rate.shape, 3, 3))
-    m[..., 0, 1] = rate
-    m[..., 1, :] = np.array([-alpha_z * beta_z, -alpha_z, 1.0]) * rate[..., None]
-    e = expm(m * dt)
-    return e[..., :2, :2], e[..., :2, 2]
+    rate, stiffness = 1.0 / np.asarray(tau), alpha_z * beta_z
+    r = 0.5 * alpha_z * rate
+    surplus = 0.25 * alpha_z**2 - stiffness
+    w = np.sqrt(abs(surplus)) * rate
+    if abs(surplus) <= CRITICAL * stiffness:
+        c, s = 1.0 + 0.0 * w * dt, dt + 0.0 * w
+    elif surplus > 0:
+        c, s = np.cosh(w * dt), np.sinh(w * dt) / w
+    else:
+        c, s = np.cos(w * dt), np.sin(w * dt) / w
+    decay = np.exp(-r * dt)
+    a = decay * (c + r * s), decay * rate * s, -stiffness * decay * rate * s, decay * (c - r * s)
+    matrix = np.stack([np.stack(a[:2], axis=-1), np.stack(a[2:], axis=-1)], axis=-2)
+    return matrix, np.stack([(1.0 - a[0]) / stiffness, -a[2] / stiffness], axis=-1)
 
 
 def uncoupled_step(x, v, f, goal, matrices):

@@ -30,9 +30,11 @@ def BlfCoupler_(T):
             - barrier
             - margin
 
-        No state. `position`, `velocity` (18); `bands` (30) as from DistanceBands. `measured_distance` (2), the hands'
-        real distance (m) and its rate (m/s), replaces the planned one when connected. `link_acceleration` (5) is the
-        demanded rho'' (m/s^2), `barrier` (5) is V, `margin` (5) is 1 - |xi|, negative outside the band.
+        No state. `position`, `velocity` (18); `bands` (30) as from DistanceBands. `measured_distance` (3), when
+        connected, is what the law keeps in the hands' band in place of the planned distance: a distance (m), its rate
+        (m/s), and that part of its acceleration (m/s^2) which does not come from the plan (HandsObserver).
+        `link_acceleration` (5) is the rho'' (m/s^2) demanded of the plan, `barrier` (5) is V, `margin` (5) is 1 - |xi|,
+        negative outside the band.
         Template parameters: float, AutoDiffXd, Expression.
         """
 
@@ -53,7 +55,7 @@ def BlfCoupler_(T):
             self._position = self.DeclareVectorInputPort("position", 18)
             self._velocity = self.DeclareVectorInputPort("velocity", 18)
             self._bands = self.DeclareVectorInputPort("bands", 30)
-            self._measured = self.DeclareVectorInputPort("measured_distance", 2)
+            self._measured = self.DeclareVectorInputPort("measured_distance", 3)
             self._error = self.DeclareVectorOutputPort("link_acceleration", 5, self._calc_link_acceleration)
             self.DeclareVectorOutputPort("barrier", 5, self._calc_barrier)
             self.DeclareVectorOutputPort("margin", 5, self._calc_margin)
@@ -67,13 +69,16 @@ def BlfCoupler_(T):
                 self._position.Eval(context).reshape(6, 3), self._velocity.Eval(context).reshape(6, 3)
             )
             if self._measured.HasValue(context):
-                rho[HANDS], rho_dot[HANDS] = self._measured.Eval(context)
+                rho[HANDS], rho_dot[HANDS] = self._measured.Eval(context)[:2]
             return *normalised_error(rho, rho_dot, bands), bands
 
         def _calc_link_acceleration(self, context, output):
             xi, xi_dot, bands = self._errors(context)
             xi_ddot = error_acceleration(xi, xi_dot, self._gains.k_1, self._gains.k_2)
-            output.SetFromVector(length_acceleration(xi, xi_dot, xi_ddot, bands))
+            demanded = length_acceleration(xi, xi_dot, xi_ddot, bands)
+            if self._measured.HasValue(context):
+                demanded[HANDS] = demanded[HANDS] - self._measured.Eval(context)[2]
+            output.SetFromVector(demanded)
 
         def _calc_barrier(self, context, output):
             xi, xi_dot, _ = self._errors(context)

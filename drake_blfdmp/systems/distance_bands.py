@@ -20,14 +20,12 @@ def DistanceBands_(T):
             name: DistanceBands
             input_ports:
             - phase
-            - tempo (optional)
             output_ports:
             - bands
 
-        No state. The bands are functions of the time that an undisturbed canonical system needs to reach the phase,
-        so they slow down with it. `bands` (30): lower (5), upper (5), then their first and second derivatives in the
-        same way (m, m/s, m/s^2), links as in `skeleton.LINKS`. `tempo` (1) must be what drives the canonical
-        system; it scales the derivatives and is taken to vary slowly.
+        No state. The bands are functions of the skill's clock, which an undisturbed canonical system's phase tells, so
+        they slow down with it. `bands` (30): lower (5), upper (5), then their first and second derivatives by that
+        clock in the same way (m, m/s, m/s^2), links as in `skeleton.LINKS`.
         Template parameters: float, AutoDiffXd, Expression; the bands of a recorded distance have no symbolic form.
         """
 
@@ -37,21 +35,15 @@ def DistanceBands_(T):
             self._parameters = {"bands": bands, "tau": tau, "gamma": gamma}
             self._functions, self._tau, self._gamma = bands, tau, gamma
             self._phase = self.DeclareVectorInputPort("phase", 1)
-            self._tempo = self.DeclareVectorInputPort("tempo", 1)
             # Stated, so that Drake need not try the symbolic form to find it: not every profile has one.
-            sources = {self.input_port_ticket(port.get_index()) for port in (self._phase, self._tempo)}
-            self._bands = self.DeclareVectorOutputPort("bands", 30, self._calc_bands, sources)
+            self._bands = self.DeclareVectorOutputPort("bands", 30, self._calc_bands, {self._phase.ticket()})
 
         def _construct_copy(self, other, converter=None):
             Impl._construct(self, **other._parameters, converter=converter)
 
         def _calc_bands(self, context, output):
             t = time_at(self._phase.Eval(context)[0], self._tau, self._gamma)
-            bands = self._functions.evaluate(np.asarray(t))
-            if self._tempo.HasValue(context):
-                tempo = self._tempo.Eval(context)[0]
-                bands = np.concatenate([bands[:2], bands[2:4] * tempo, bands[4:] * tempo**2])
-            output.SetFromVector(bands.reshape(30))
+            output.SetFromVector(self._functions.evaluate(np.asarray(t)).reshape(30))
 
     return Impl
 

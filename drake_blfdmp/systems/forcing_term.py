@@ -20,10 +20,12 @@ def ForcingTerm_(T):
             name: ForcingTerm
             input_ports:
             - phase
+            - tempo (optional)
             output_ports:
             - forcing
 
-        No state. `forcing` (18) is ordered point by point as in `skeleton.POINTS`, x y z each.
+        No state. `forcing` (18) is ordered point by point as in `skeleton.POINTS`, x y z each. `tempo` (1) as for
+        TransformationSystem: how far the phase comes in the coming step.
         Template parameters: float, AutoDiffXd, Expression.
         """
 
@@ -38,15 +40,17 @@ def ForcingTerm_(T):
             LeafSystem_[T].__init__(self, converter=converter)
             self._parameters = {"skill": skill, "time_step": time_step}
             self._skill = skill
-            self._advance = float(phase_at(0.5 * time_step, skill.tau, skill.gamma))
+            self._half_step = 0.5 * time_step
             self._phase = self.DeclareVectorInputPort("phase", 1)
+            self._tempo = self.DeclareVectorInputPort("tempo", 1)
             self._forcing = self.DeclareVectorOutputPort("forcing", 18, self._calc_forcing)
 
         def _construct_copy(self, other, converter=None):
             Impl._construct(self, **other._parameters, converter=converter)
 
         def _calc_forcing(self, context, output):
-            s = self._phase.Eval(context)[0] * self._advance
+            tempo = self._tempo.Eval(context)[0] if self._tempo.HasValue(context) else 1.0
+            s = self._phase.Eval(context)[0] * phase_at(self._half_step * tempo, self._skill.tau, self._skill.gamma)
             output.SetFromVector(self._skill.forcing(np.asarray(s)))
 
     return Impl

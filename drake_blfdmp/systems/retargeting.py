@@ -15,6 +15,7 @@ class Retargeting(LeafSystem):
         input_ports:
         - position
         - velocity
+        - tempo (optional)
         output_ports:
         - palm_poses
         - palm_twists
@@ -23,7 +24,8 @@ class Retargeting(LeafSystem):
 
     No state. `position`, `velocity` (18) in the torso frame. `palm_poses` (14): left, then right X_WP as qw qx qy qz
     x y z. `palm_twists` (12): angular (rad/s), then translational velocity (m/s) of each palm in W. `swivel` (2), rad,
-    and `swivel_rate` (2), rad/s: what is asked of the robot's arms.
+    and `swivel_rate` (2), rad/s: what is asked of the robot's arms. `tempo` (1), how fast the skill's clock runs, turns
+    rates by that clock, as `velocity` is one, into rates in the world; 1 when not connected.
     """
 
     def __init__(self, *, retarget: Retarget):
@@ -32,6 +34,7 @@ class Retargeting(LeafSystem):
         self._offsets = palm_offsets(retarget.rolls)
         self._position = self.DeclareVectorInputPort("position", 18)
         self._velocity = self.DeclareVectorInputPort("velocity", 18)
+        self._tempo = self.DeclareVectorInputPort("tempo", 1)
         for index, (name, size) in enumerate(
             (("palm_poses", 14), ("palm_twists", 12), ("swivel", 2), ("swivel_rate", 2))
         ):
@@ -42,6 +45,8 @@ class Retargeting(LeafSystem):
 
     def _calc(self, context, output, index):
         x, velocity = self._position.Eval(context), self._velocity.Eval(context)
+        if self._tempo.HasValue(context):
+            velocity = np.asarray(self._tempo.Eval(context))[0] * velocity
         key = (x.tobytes(), velocity.tobytes())
         if key != self._key:
             self._result = retarget_motion(x.reshape(6, 3), velocity.reshape(6, 3), self._retarget, self._offsets)

@@ -33,16 +33,19 @@ class SwivelDifferentialIk(LeafSystem):
         - task_deviation
         - tempo
         - clearance
+        - commanded_palms
 
-    Discrete state: q (14), v (14), task_scale (2), swivel (2), task_deviation (2), tempo (1), clearance (1). The inputs
-    are those of Retargeting. No output is direct-feedthrough. Joint positions, velocities and accelerations stay within
-    their limits whatever the inputs are; what that costs the palms is an output:
+    Discrete state: q (14), v (14), task_scale (2), swivel (2), task_deviation (2), tempo (1), clearance (1),
+    commanded_palms (6). The inputs are those of Retargeting. No output is direct-feedthrough. Joint positions,
+    velocities and accelerations stay within their limits whatever the inputs are; what that costs the palms is an
+    output:
 
     `task_scale` (2) is the share of each palm's commanded twist that the limits let through, `task_deviation` (2) the
     speed, m/s, of what it does beside that share (`robot.tracking.Tracked`). `tempo` (1), in [tempo_floor, 1], is how
     fast the phase may run so that the palms stay on their way (`robot.tempo`), meant for CanonicalSystem's input of
     that name: the loop goes through two states and closes no algebraic loop. `clearance` (1), m, is the least distance
-    of the arms at the last update, inf where none is near or `clearance` was not asked for.
+    of the arms at the last update, inf where none is near or `clearance` was not asked for. `commanded_palms` (6), m in
+    W, is where q has the left and the right palm.
 
     `measured_position` (14), where connected, is where the kinematics are evaluated; the command still integrates
     from the commanded q. `desired_state_left/right` (14) are q, v of one arm, for the plant's PD.
@@ -100,10 +103,12 @@ class SwivelDifferentialIk(LeafSystem):
         q = self.DeclareDiscreteState(initial_position)
         v = self.DeclareDiscreteState(np.zeros(14))
         scale = self.DeclareDiscreteState(np.ones(2))
-        swivel = self.DeclareDiscreteState(np.array([state.swivel for state in kinematics.evaluate(initial_position)]))
+        initial = kinematics.evaluate(initial_position)
+        swivel = self.DeclareDiscreteState(np.array([state.swivel for state in initial]))
         deviation = self.DeclareDiscreteState(np.zeros(2))
         tempo = self.DeclareDiscreteState(np.ones(1))
         nearest = self.DeclareDiscreteState(np.full(1, np.inf))
+        palms = self.DeclareDiscreteState(np.concatenate([state.position for state in initial]))
         self.DeclareStateOutputPort("position", q)
         self.DeclareStateOutputPort("velocity", v)
         for arm, name in enumerate(("left", "right")):
@@ -118,6 +123,7 @@ class SwivelDifferentialIk(LeafSystem):
         self.DeclareStateOutputPort("task_deviation", deviation)
         self.DeclareStateOutputPort("tempo", tempo)
         self.DeclareStateOutputPort("clearance", nearest)
+        self.DeclareStateOutputPort("commanded_palms", palms)
         self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._update)
 
     def _calc_desired_state(self, context, output, first):
@@ -151,6 +157,7 @@ class SwivelDifferentialIk(LeafSystem):
             tracked.deviation,
             tempo,
             [tracked.clearance],
+            tracked.palms.ravel(),
         )
         for index, value in enumerate(values):
             discrete_state.get_mutable_vector(index).SetFromVector(value)

@@ -1,6 +1,7 @@
 """The transformation system (1), (6) of all six points as a Drake system."""
 
 import numpy as np
+from pydrake.symbolic import Expression
 from pydrake.systems.framework import BasicVector_, LeafSystem_
 from pydrake.systems.scalar_conversion import TemplateSystem
 
@@ -22,15 +23,21 @@ def TransformationSystem_(T):
             - forcing
             - goal
             - coupling_acceleration (optional)
+            - tempo (optional)
             output_ports:
             - position
             - velocity
             - nominal_acceleration
 
-        Every port has 18 elements, point by point as in `skeleton.POINTS`, x y z each, in m, m/s and m/s^2. The state
-        is (position, velocity), velocity being x' = v / tau. `nominal_acceleration` is x'' without the coupling, its
-        mean over the coming step for a discrete state; it does not depend on the coupling input, so a coupling
-        computed from the outputs closes no algebraic loop.
+        Every port but `tempo` has 18 elements, point by point as in `skeleton.POINTS`, x y z each, in m, m/s and
+        m/s^2. The state is (position, velocity), velocity being x' = v / tau. `nominal_acceleration` is x'' without the
+        coupling, its mean over the coming step for a discrete state; it does not depend on the coupling input, so a
+        coupling computed from the outputs closes no algebraic loop.
+
+        `tempo` (1), >= 0, no unit, is how fast the skill's clock runs: theta' = tempo, 1 when not connected. Every rate
+        here, and in all systems of the skill, is one of that clock. So a slower tempo changes when a point is passed
+        and not which, and what the law proves of the skill's clock it proves of any tempo; the velocity in the world
+        is `tempo` times `velocity`.
         Template parameters: float, AutoDiffXd, Expression.
         """
 
@@ -48,9 +55,10 @@ def TransformationSystem_(T):
             self._forcing = self.DeclareVectorInputPort("forcing", 18)
             self._goal = self.DeclareVectorInputPort("goal", 18)
             self._coupling = self.DeclareVectorInputPort("coupling_acceleration", 18)
+            self._tempo = self.DeclareVectorInputPort("tempo", 1)
             start = skill.start.reshape(18)
             if time_step > 0:
-                self._matrices = step_matrices(time_step, skill.tau, skill.alpha_z, skill.beta_z)
+                self._full_step = step_matrices(time_step, skill.tau, skill.alpha_z, skill.beta_z), time_step
                 x = self.DeclareDiscreteState(start)
                 v = self.DeclareDiscreteState(np.zeros(18))
                 self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._update)
@@ -66,7 +74,7 @@ def TransformationSystem_(T):
                 "nominal_acceleration",
                 18,
                 self._calc_nominal_acceleration,
-                {self.all_state_ticket(), self._forcing.ticket(), self._goal.ticket()},
+                {self.all_state_ticket(), self._forcing.ticket(), self._goal.ticket(), self._tempo.ticket()},
             )
 
         def _construct_copy(self, other, converter=None):
@@ -81,6 +89,16 @@ def TransformationSystem_(T):
         def _coupling_or_zero(self, context):
             return self._coupling.Eval(context) if self._coupling.HasValue(context) else 0.0
 
+        def _step(self, context):
+            """The matrices of the coming step and its length on the skill's clock, s."""
+            if not self._tempo.HasValue(context):
+                return self._full_step
+            tempo = self._tempo.Eval(context)[0]
+            if T is not Expression and tempo == 1.0:
+                return self._full_step
+            length = tempo * self._time_step
+            return step_matrices(length, self._tau, *self._gains), length
+
         def _calc_position(self, context, output):
             output.SetFromVector(self._state(context)[0])
 
@@ -90,7 +108,9 @@ def TransformationSystem_(T):
         def _nominal_acceleration(self, context, x, velocity):
             arguments = (x, self._tau * velocity, self._forcing.Eval(context), self._goal.Eval(context), self._tau)
             if self._time_step > 0:
-                return mean_acceleration(*arguments, self._matrices, self._time_step)
+                matrices, length = self._step(context)
+                if T is Expression or length > 0.0:
+                    return mean_acceleration(*arguments, matrices, length)
             return nominal_acceleration(*arguments, *self._gains)
 
         def _calc_nominal_acceleration(self, context, output):
@@ -98,6 +118,7 @@ def TransformationSystem_(T):
 
         def _update(self, context, discrete_state):
             x, velocity = self._state(context)
+            matrices, length = self._step(context)
             x, v = step(
                 x,
                 self._tau * velocity,
@@ -105,8 +126,8 @@ def TransformationSystem_(T):
                 self._goal.Eval(context),
                 self._coupling_or_zero(context),
                 self._tau,
-                self._matrices,
-                self._time_step,
+                matrices,
+                length,
             )
             discrete_state.get_mutable_vector(0).SetFromVector(x)
             discrete_state.get_mutable_vector(1).SetFromVector(v / self._tau)
@@ -116,7 +137,8 @@ def TransformationSystem_(T):
                 return
             x, velocity = self._state(context)
             acceleration = self._nominal_acceleration(context, x, velocity) + self._coupling_or_zero(context)
-            derivatives.get_mutable_vector().SetFromVector(np.concatenate([velocity, acceleration]))
+            tempo = self._tempo.Eval(context)[0] if self._tempo.HasValue(context) else 1.0
+            derivatives.get_mutable_vector().SetFromVector(tempo * np.concatenate([velocity, acceleration]))
 
     return Impl
 

@@ -57,17 +57,18 @@ def test_ports_are_connected_by_name(made, wire):
 
 
 def test_nothing_that_a_part_needs_is_left_open(made):
-    """Every input of our systems has a source but those that are optional by design: measured values, not fed back."""
+    """Every input of our systems has a source."""
     diagram, parts = made
     connected = {(target, port) for _, _, target, port in wires(diagram)}
     skill = parts.skill
-    systems = [parts.retargeting, parts.palm_forces, skill.forcing, skill.transformation, skill.coupler, skill.reshaper]
+    systems = [parts.retargeting, parts.palm_forces, parts.observer, parts.tempo.get_system(), skill.canonical]
+    systems += [skill.forcing, skill.transformation, skill.coupler, skill.reshaper]
     left = {
         (system.get_name(), system.get_input_port(i).get_name())
         for system in systems
         for i in range(system.num_input_ports())
     } - connected
-    assert left == {("coupler", "measured_distance")}
+    assert left == set()
 
 
 def test_there_is_no_algebraic_loop(made):

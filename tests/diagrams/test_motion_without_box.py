@@ -1,5 +1,7 @@
 """The diagram of a motion without a box: the same wires to the arms, and nothing of a box."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -8,6 +10,7 @@ from waving import recorded, wave
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace, SetInitialState
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.scenario import RetargetConfig, Scenario, TaskConfig
+from drake_blfdmp.planning.scenario_sections import FeedbackConfig
 from drake_blfdmp.planning.sources import MakeSource
 
 
@@ -33,8 +36,10 @@ def test_the_arms_are_driven_as_ever(made):
     assert diagram.num_input_ports() == 0
 
 
-def test_the_simulated_skill_is_the_planned_rollout_and_the_palms_follow_it(made):
-    diagram, parts = made
+def test_without_feedback_the_simulated_skill_is_the_planned_rollout_and_the_palms_follow_it(made):
+    plan = made[1].plan
+    scenario = replace(plan.scenario, feedback=FeedbackConfig(hands=False))
+    diagram, parts = MakeHoldAndPlace(replace(plan, scenario=scenario))
     context = diagram.CreateDefaultContext()
     SetInitialState(parts, diagram, context)
     end = parts.plan.settle_s + 1.2

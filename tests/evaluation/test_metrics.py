@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.evaluation.metrics import (
     box_metrics,
+    feedback_metrics,
     largest_barrier_derivative,
     link_metrics,
     rms_distance,
@@ -186,6 +187,11 @@ def log(**changes):
         palm=palms(n),
         palm_desired=palms(n),
         palm_force=np.full((n, 2), 60.0),
+        clock=T,
+        tempo=np.ones(n),
+        lower=np.tile([0.21, 0.27, 0.29, 0.27, 0.21], (n, 1)),
+        upper=np.tile([0.23, 0.29, 0.31, 0.29, 0.23], (n, 1)),
+        hands=np.full(n, 0.302),
         box=np.tile(pose((0.0, 0.0, 0.0)), (n, 1)),
         box_desired=np.tile(pose((0.0, 0.0, 0.0)), (n, 1)),
     )
@@ -203,6 +209,38 @@ def test_robot_metrics_take_the_worst_joint_and_sample():
     assert found["max_effort_ratio"] == pytest.approx(0.95)
     assert found["min_clearance_m"] == pytest.approx(-0.001)
     assert found["palm_tracking_rms_m"] == pytest.approx(0.003 / np.sqrt(2.0))
+
+
+def test_feedback_metrics_of_a_run_that_nothing_disturbed():
+    assert feedback_metrics(log(), 0.5, 3.0) == {
+        "finished": True,
+        "min_tempo": 1.0,
+        "delay_s": 0.0,
+        "max_middle_error_m": 0.0,
+        "hands_outside_samples": 0,
+        "hands_outside_s": 0.0,
+        "hands_min_margin": pytest.approx(0.8),
+    }
+
+
+def test_feedback_metrics_count_what_is_outside_after_the_rest_and_what_was_late():
+    values = log(clock=0.9 * T)
+    values.hands[[10, 100, 101, 200]] = 0.5, 0.315, 0.31, 0.30
+    values.tempo[40] = 0.6
+    values.palm[120, :, 6] += [0.004, 0.002]
+    found = feedback_metrics(values, 0.5, 3.0)
+    assert not found["finished"] and found["min_tempo"] == 0.6
+    assert found["delay_s"] == pytest.approx(0.3)
+    assert found["max_middle_error_m"] == pytest.approx(0.003)
+    assert found["hands_outside_samples"] == 2 and found["hands_outside_s"] == pytest.approx(0.02)
+    assert found["hands_min_margin"] == pytest.approx(-0.5)
+
+
+def test_the_hold_goes_by_the_skills_clock():
+    force = np.full((len(T), 2), 60.0)
+    force[:110], force[221:] = 0.0, 0.0
+    assert found_for_box(palm_force=force)["dropped"]
+    assert not found_for_box(palm_force=force, clock=T / 1.1)["dropped"]
 
 
 def found_for_box(**changes):

@@ -13,6 +13,7 @@ GOOD = {
     },
     "plan": {"lift_m": 0.24},
     "box": {"dropped": False, "lifted_m": 0.23, "placement_error_m": 0.002, "max_tilt_deg": 0.3},
+    "feedback": {"finished": True, "min_tempo": 1.0},
     "robot": {
         "min_joint_margin_rad": 0.4,
         "max_velocity_ratio": 0.5,
@@ -39,6 +40,7 @@ def test_a_good_run_has_no_failures():
         ("box", "lifted_m", 0.1, 0.0999, ["0.100 m only", "0.10 m", "0.240 m"]),
         ("box", "placement_error_m", 0.01, 0.0123, ["12.3 mm", "10 mm"]),
         ("box", "max_tilt_deg", 5.0, 5.4, ["5.4 degrees", "more than 5"]),
+        ("feedback", "finished", True, False, ["was not finished"]),
         ("robot", "min_joint_margin_rad", 0.0, -0.012, ["joint passed its limit", "0.012 rad"]),
         ("robot", "max_velocity_ratio", 1.0, 1.07, ["1.07 times its velocity limit"]),
         ("robot", "max_effort_ratio", 0.999, 1.0, ["effort limit"]),
@@ -81,6 +83,7 @@ MOTION = {
     "links": GOOD["links"],
     "plan": {"lift_m": None},
     "box": None,
+    "feedback": GOOD["feedback"],
     "robot": {**GOOD["robot"], "palm_tracking_rms_m": 0.0004},
 }
 

@@ -14,7 +14,7 @@ NAMED = {part for code in re.findall(r"`([^`\n]+)`", DOCUMENT) for part in code.
 NAMED |= {word for heading in re.findall(r"^## (.+?)(?::.*)?$", DOCUMENT, re.MULTILINE) for word in heading.split(", ")}
 MAKERS = {
     "summary": ("MakeSummary",),
-    "metrics": ("link_metrics", "robot_metrics", "box_metrics"),
+    "metrics": ("link_metrics", "robot_metrics", "feedback_metrics", "box_metrics"),
 }
 
 

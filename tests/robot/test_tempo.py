@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drake_blfdmp.robot.tempo import next_tempo
+from drake_blfdmp.robot.tempo import next_tempo, tempo_towards
 
 STEP, FALL, RISE, FLOOR = 0.004, 0.02, 0.5, 0.05
 CONSTANTS = STEP, FALL, RISE, FLOOR
@@ -51,3 +51,12 @@ def test_it_comes_back_and_never_stops_for_good():
     for _ in range(int(5 * RISE / STEP)):
         tempo = next_tempo(tempo, 1.0, *CONSTANTS)
     assert tempo > 0.99
+
+
+@pytest.mark.parametrize(("start", "wanted", "constant"), [(1.0, 0.3, FALL), (0.3, 1.0, RISE)])
+def test_towards_a_wanted_tempo_it_goes_exponentially_quick_down_and_slow_up(start, wanted, constant):
+    tempo = start
+    for _ in range(20):
+        tempo = tempo_towards(tempo, wanted, STEP, FALL, RISE)
+    assert tempo == pytest.approx(wanted + (start - wanted) * np.exp(-20 * STEP / constant), rel=1e-12)
+    assert tempo_towards(wanted, wanted, STEP, FALL, RISE) == wanted

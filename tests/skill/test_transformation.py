@@ -1,6 +1,9 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from drake_blfdmp.skill.transformation import (
     derivatives,
@@ -38,6 +41,26 @@ def test_the_continuous_unforced_response_has_the_reference_values():
 
     solution = solve_ivp(rate, (0.0, 1.0), [0.0, 0.0], t_eval=TIMES, rtol=1e-11, atol=1e-13)
     np.testing.assert_allclose(solution.y[0], REFERENCE, atol=1e-8)
+
+
+@given(
+    st.floats(1e-5, 0.5), st.floats(0.2, 20.0), st.floats(1.0, 200.0), st.sampled_from([0.05, 0.2, 0.25, 0.3, 1.0, 4.0])
+)
+def test_the_step_is_the_matrix_exponential_whatever_the_damping(dt, tau, alpha, ratio):
+    beta = ratio * alpha
+    system = np.array([[0.0, 1.0, 0.0], [-alpha * beta, -alpha, 1.0], [0.0, 0.0, 0.0]]) / tau
+    want = expm(system * dt)
+    a, b = step_matrices(dt, tau, alpha, beta)
+    size = np.abs(want[:2, :2]).max()
+    np.testing.assert_allclose(a, want[:2, :2], rtol=1e-9, atol=1e-11 * size)
+    np.testing.assert_allclose(b, want[:2, 2], rtol=1e-6, atol=1e-12)
+
+
+def test_the_steps_of_a_batch_are_each_ones_own():
+    a, b = step_matrices(0.02, np.array([[1.0], [3.0]]), ALPHA, BETA)
+    assert a.shape == (2, 1, 2, 2) and b.shape == (2, 1, 2)
+    for k, tau in enumerate((1.0, 3.0)):
+        np.testing.assert_array_equal(a[k, 0], step_matrices(0.02, tau, ALPHA, BETA)[0])
 
 
 @pytest.mark.parametrize("tau", [2.0, 4.0])

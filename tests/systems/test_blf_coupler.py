@@ -39,7 +39,7 @@ def test_ports():
     inputs = {
         system.get_input_port(i).get_name(): system.get_input_port(i).size() for i in range(system.num_input_ports())
     }
-    assert inputs == {"position": 18, "velocity": 18, "bands": 30, "measured_distance": 2}
+    assert inputs == {"position": 18, "velocity": 18, "bands": 30, "measured_distance": 3}
     sizes = {system.get_output_port(i).get_name(): system.get_output_port(i).size() for i in range(3)}
     assert sizes == {"link_acceleration": 5, "barrier": 5, "margin": 5}
 
@@ -54,21 +54,28 @@ def test_the_outputs_are_those_of_the_law():
 
 def test_a_measured_distance_takes_the_place_of_the_planned_one():
     rho, rho_dot, _, _ = link_states(X, VELOCITY)
-    measured = np.array([rho[HANDS] + 0.004, -0.03])
+    measured = np.array([rho[HANDS] + 0.004, -0.03, 0.0])
     plain, replaced = outputs(*prepared()), outputs(*prepared(measured_distance=measured))
     for a, b in zip(plain, replaced, strict=True):
         assert a[HANDS] != b[HANDS]
         np.testing.assert_array_equal(np.delete(a, HANDS), np.delete(b, HANDS))
-    rho[HANDS], rho_dot[HANDS] = measured
+    rho[HANDS], rho_dot[HANDS] = measured[:2]
     xi, xi_dot = normalised_error(rho, rho_dot, BANDS)
     np.testing.assert_allclose(replaced[1], barrier_function(xi, xi_dot, GAINS.k_1), rtol=1e-12)
-    same = outputs(*prepared(measured_distance=[link_states(X, VELOCITY)[i][HANDS] for i in (0, 1)]))
+    same = outputs(*prepared(measured_distance=[*(link_states(X, VELOCITY)[i][HANDS] for i in (0, 1)), 0.0]))
     for a, b in zip(plain, same, strict=True):
         np.testing.assert_array_equal(a, b)
 
 
+def test_what_the_measured_distance_does_by_itself_is_not_demanded_of_the_plan():
+    still, moving = (outputs(*prepared(measured_distance=[0.34, 0.02, a])) for a in (0.0, 0.7))
+    np.testing.assert_allclose(still[0] - moving[0], 0.7 * np.eye(5)[HANDS], atol=1e-12)
+    for a, b in zip(still[1:], moving[1:], strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
 def test_the_margin_is_negative_outside_the_band():
-    system, context = prepared(measured_distance=[0.8, 0.0])
+    system, context = prepared(measured_distance=[0.8, 0.0, 0.0])
     margin = system.GetOutputPort("margin").Eval(context)
     assert margin[HANDS] < 0 < np.delete(margin, HANDS).min()
 
@@ -79,7 +86,7 @@ def test_gains_that_the_time_step_cannot_carry_are_refused():
 
 
 def test_other_scalar_types_give_the_same_numbers():
-    for more in ({}, {"measured_distance": np.array([0.33, 0.01])}):
+    for more in ({}, {"measured_distance": np.array([0.33, 0.01, 0.2])}):
         system, context = prepared(**more)
         want = outputs(system, context)
         for scalar, other in ((AutoDiffXd, system.ToAutoDiffXd()), (Expression, system.ToSymbolic())):

@@ -13,30 +13,21 @@ TAU = 6.0
 BANDS = make_bands(0.22, 0.28, HandDistance(0.37, 0.27, 1.0, 4.0, 0.8))
 
 
-def evaluated(system, t, tempo=None):
+def evaluated(system, t):
     context = system.CreateDefaultContext()
     system.GetInputPort("phase").FixValue(context, phase_at(t, TAU))
-    if tempo is not None:
-        system.GetInputPort("tempo").FixValue(context, tempo)
     return system.GetOutputPort("bands").Eval(context).reshape(6, 5)
 
 
 def test_ports():
     system = DistanceBands(bands=BANDS, tau=TAU)
-    assert [system.get_input_port(i).get_name() for i in range(system.num_input_ports())] == ["phase", "tempo"]
-    assert [system.GetInputPort(name).size() for name in ("phase", "tempo")] == [1, 1]
+    assert system.num_input_ports() == 1 and system.GetInputPort("phase").size() == 1
     assert system.num_output_ports() == 1 and system.GetOutputPort("bands").size() == 30
 
 
 @pytest.mark.parametrize("t", [0.0, 1.3, 4.5, 6.0])
 def test_the_bands_are_those_of_the_time_that_belongs_to_the_phase(t):
     np.testing.assert_allclose(evaluated(DistanceBands(bands=BANDS, tau=TAU), t), BANDS.evaluate(t), atol=1e-9)
-
-
-@pytest.mark.parametrize("tempo", [0.0, 0.5, 2.0])
-def test_the_tempo_scales_the_derivatives_by_the_chain_rule(tempo):
-    want = BANDS.evaluate(1.3) * np.array([1, 1, tempo, tempo, tempo**2, tempo**2])[:, None]
-    np.testing.assert_allclose(evaluated(DistanceBands(bands=BANDS, tau=TAU), 1.3, tempo), want, atol=1e-9)
 
 
 def test_the_autodiff_gradient_is_the_band_rate_per_phase_rate():
@@ -83,7 +74,7 @@ def test_the_gradient_of_recorded_bands_is_their_rate():
 
 def test_recorded_bands_refuse_symbols_in_one_line_and_drake_needs_none_to_know_what_depends_on_what():
     system = DistanceBands(bands=RECORDED, tau=TAU)
-    assert system.HasDirectFeedthrough(0, 0) and system.HasDirectFeedthrough(1, 0)
+    assert system.HasDirectFeedthrough(0, 0)
     symbolic = system.ToSymbolic()
     context = symbolic.CreateDefaultContext()
     symbolic.GetInputPort("phase").FixValue(context, np.array([Expression(Variable("s"))]))

@@ -16,8 +16,8 @@ def skill():
 
 def test_ports(skill):
     system = ForcingTerm(skill=skill)
-    assert (system.num_input_ports(), system.num_output_ports()) == (1, 1)
-    assert system.GetInputPort("phase").size() == 1
+    assert (system.num_input_ports(), system.num_output_ports()) == (2, 1)
+    assert [system.GetInputPort(name).size() for name in ("phase", "tempo")] == [1, 1]
     assert system.GetOutputPort("forcing").size() == 18
     assert system.HasAnyDirectFeedthrough()
 
@@ -29,6 +29,15 @@ def test_the_forcing_is_the_skills_half_a_step_ahead(skill, time_step, t):
     context = system.CreateDefaultContext()
     system.GetInputPort("phase").FixValue(context, phase_at(t, skill.tau, skill.gamma))
     want = skill.forcing(phase_at(t + 0.5 * time_step, skill.tau, skill.gamma))
+    np.testing.assert_allclose(system.GetOutputPort("forcing").Eval(context), want, rtol=1e-12)
+
+
+def test_at_a_slower_tempo_half_a_step_is_shorter(skill):
+    system = ForcingTerm(skill=skill, time_step=0.05)
+    context = system.CreateDefaultContext()
+    system.GetInputPort("phase").FixValue(context, phase_at(1.3, skill.tau, skill.gamma))
+    system.GetInputPort("tempo").FixValue(context, 0.4)
+    want = skill.forcing(phase_at(1.3 + 0.01, skill.tau, skill.gamma))
     np.testing.assert_allclose(system.GetOutputPort("forcing").Eval(context), want, rtol=1e-12)
 
 

@@ -40,7 +40,11 @@ def system():
 
 def test_ports_have_their_names_and_sizes(system):
     inputs = [system.get_input_port(i) for i in range(system.num_input_ports())]
-    assert [(port.get_name(), port.size()) for port in inputs] == [("position", 18), ("velocity", 18)]
+    assert [(port.get_name(), port.size()) for port in inputs] == [
+        ("position", 18),
+        ("velocity", 18),
+        ("tempo", 1),
+    ]
     ports = [system.get_output_port(i) for i in range(system.num_output_ports())]
     assert [(port.get_name(), port.size()) for port in ports] == list(zip(NAMES, (14, 12, 2, 2), strict=True))
     assert system.CreateDefaultContext().num_total_states() == 0
@@ -53,6 +57,15 @@ def test_outputs_are_the_retargeted_motion(system):
         fix(system, context, x, velocity)
         for value, wanted in zip(outputs(system, context), expected(x, velocity), strict=True):
             np.testing.assert_allclose(value, wanted, atol=1e-14)
+
+
+def test_a_tempo_turns_rates_of_the_skills_clock_into_rates_in_the_world(system):
+    context = system.CreateDefaultContext()
+    x, velocity = motion(1)
+    fix(system, context, x, velocity)
+    system.GetInputPort("tempo").FixValue(context, 0.3)
+    for value, wanted in zip(outputs(system, context), expected(x, 0.3 * velocity), strict=True):
+        np.testing.assert_allclose(value, wanted, atol=1e-14)
 
 
 @pytest.mark.parametrize("first", NAMES)

@@ -29,6 +29,7 @@ OUTPUTS = {
     "task_deviation": 2,
     "tempo": 1,
     "clearance": 1,
+    "commanded_palms": 6,
 }
 
 
@@ -87,6 +88,23 @@ def test_it_starts_at_rest_at_the_initial_position(system):
     assert values["tempo"] == 1.0
     assert values["clearance"] == np.inf
     np.testing.assert_allclose(values["swivel_now"], [s.swivel for s in KINEMATICS.evaluate(START)])
+
+
+def test_it_says_where_its_angles_have_the_palms_to_second_order_in_the_step():
+    errors = {}
+    for dt in (DT, DT / 2):
+        system = make(time_step=dt)
+        context = system.CreateDefaultContext()
+        fix(system, context, goal())
+        errors[dt] = 0.0
+        for _ in range(round(0.2 / dt)):
+            values = outputs(system, context)
+            want = np.concatenate([state.position for state in KINEMATICS.evaluate(values["position"])])
+            errors[dt] = max(errors[dt], np.abs(values["commanded_palms"] - want).max())
+            update(system, context)
+        assert np.linalg.norm(values["commanded_palms"][:3] - KINEMATICS.evaluate(START)[0].position) > 0.01
+    assert errors[DT] < 5e-5
+    assert errors[DT / 2] < 0.35 * errors[DT]
 
 
 def test_the_update_is_one_step_of_the_tracker(system):

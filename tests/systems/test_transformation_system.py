@@ -46,19 +46,20 @@ def prepared(skill, time_step, coupled=True):
 @pytest.mark.parametrize("time_step", [0.0, DT])
 def test_ports(skill, time_step):
     system = TransformationSystem(skill=skill, time_step=time_step)
-    assert tuple(system.get_input_port(i).get_name() for i in range(3)) == PORTS
+    assert tuple(system.get_input_port(i).get_name() for i in range(4)) == (*PORTS, "tempo")
+    assert system.GetInputPort("tempo").size() == 1
     assert [system.get_output_port(i).get_name() for i in range(3)] == ["position", "velocity", "nominal_acceleration"]
     assert {system.get_input_port(i).size() for i in range(3)} | {
         system.get_output_port(i).size() for i in range(3)
     } == {18}
-    assert system.num_input_ports() == system.num_output_ports() == 3
+    assert (system.num_input_ports(), system.num_output_ports()) == (4, 3)
 
 
 @pytest.mark.parametrize("time_step", [0.0, DT])
 def test_only_the_nominal_acceleration_feeds_through_and_not_from_the_coupling(skill, time_step):
     system = TransformationSystem(skill=skill, time_step=time_step)
-    through = [(i, o) for i in range(3) for o in range(3) if system.HasDirectFeedthrough(i, o)]
-    assert through == [(0, 2), (1, 2)]
+    through = [(i, o) for i in range(4) for o in range(3) if system.HasDirectFeedthrough(i, o)]
+    assert through == [(0, 2), (1, 2), (3, 2)]
 
 
 @pytest.mark.parametrize("time_step", [0.0, DT])
@@ -100,6 +101,54 @@ def test_the_continuous_derivatives(skill, coupled):
     )
     got = system.EvalTimeDerivatives(context).CopyToVector()
     np.testing.assert_allclose(got, np.concatenate([x_dot, v_dot / skill.tau]), rtol=1e-12)
+
+
+def test_a_tempo_shortens_the_step(skill):
+    system, context, (x, velocity, f, goal, coupling) = prepared(skill, DT)
+    system.GetInputPort("tempo").FixValue(context, 0.3)
+    matrices = step_matrices(0.3 * DT, skill.tau, skill.alpha_z, skill.beta_z)
+    want_x, want_v = step(x, skill.tau * velocity, f, goal, coupling, skill.tau, matrices, 0.3 * DT)
+    after = system.EvalUniquePeriodicDiscreteUpdate(context)
+    np.testing.assert_allclose(after.value(0), want_x, rtol=1e-12)
+    np.testing.assert_allclose(after.value(1), want_v / skill.tau, rtol=1e-12)
+    mean = mean_acceleration(x, skill.tau * velocity, f, goal, skill.tau, matrices, 0.3 * DT)
+    np.testing.assert_allclose(system.GetOutputPort("nominal_acceleration").Eval(context), mean, rtol=1e-9)
+
+
+@pytest.mark.parametrize("time_step", [0.0, DT])
+def test_a_tempo_of_zero_stops_it(skill, time_step):
+    system, context, (x, velocity, f, goal, _) = prepared(skill, time_step)
+    system.GetInputPort("tempo").FixValue(context, 0.0)
+    if time_step:
+        after = system.EvalUniquePeriodicDiscreteUpdate(context)
+        np.testing.assert_allclose(after.value(0), x, rtol=1e-14)
+        np.testing.assert_allclose(after.value(1), velocity, rtol=1e-14)
+    else:
+        np.testing.assert_array_equal(system.EvalTimeDerivatives(context).CopyToVector(), 0.0)
+    want = nominal_acceleration(x, skill.tau * velocity, f, goal, skill.tau, skill.alpha_z, skill.beta_z)
+    np.testing.assert_allclose(system.GetOutputPort("nominal_acceleration").Eval(context), want, rtol=1e-12)
+
+
+def test_continuous_rates_go_by_the_tempo(skill):
+    system, context, _ = prepared(skill, 0.0)
+    full = system.EvalTimeDerivatives(context).CopyToVector()
+    system.GetInputPort("tempo").FixValue(context, 0.6)
+    np.testing.assert_allclose(system.EvalTimeDerivatives(context).CopyToVector(), 0.6 * full, rtol=1e-14)
+
+
+def test_the_gradient_by_the_tempo_is_that_of_finite_differences(skill):
+    system, context, _ = prepared(skill, DT)
+    other = system.ToAutoDiffXd()
+    copy = other.CreateDefaultContext()
+    copy.SetTimeStateAndParametersFrom(context)
+    other.FixInputPortsFrom(system, context, copy)
+    other.GetInputPort("tempo").FixValue(copy, np.array([AutoDiffXd(0.5, [1.0])]))
+    gradient = [x.derivatives()[0] for x in other.EvalUniquePeriodicDiscreteUpdate(copy).value(0)]
+    ends = []
+    for tempo in (0.5 - 1e-5, 0.5 + 1e-5):
+        system.GetInputPort("tempo").FixValue(context, tempo)
+        ends.append(system.EvalUniquePeriodicDiscreteUpdate(context).value(0).copy())
+    np.testing.assert_allclose(gradient, (ends[1] - ends[0]) / 2e-5, rtol=1e-6, atol=1e-9)
 
 
 def test_a_goal_may_move_while_the_skill_runs(skill):

@@ -69,7 +69,9 @@ def make_run_log(samples=600, duration=6.0, seed=3):
     swivel = swivel_desired + 0.03 * np.sin(2 * t)[:, None]
     return RunLog(
         t=t,
+        clock=t,
         phase=np.exp(-t / 2),
+        tempo=np.ones(samples),
         position=position,
         uncoupled=uncoupled,
         demonstrated=demonstrated,
@@ -89,6 +91,7 @@ def make_run_log(samples=600, duration=6.0, seed=3):
         palm_desired=palm,
         swivel=(swivel + np.pi) % (2 * np.pi) - np.pi,
         swivel_desired=(swivel_desired + np.pi) % (2 * np.pi) - np.pi,
+        hands=desired[:, 2] + 0.002 * np.sin(5 * t),
         palm_force=held[:, None] * (np.array([118.0, 121.0]) + 6 * np.stack([np.sin(4 * t), np.cos(4 * t)], axis=-1)),
         box=box,
         box_desired=box_desired,

@@ -59,7 +59,7 @@ def SimulatePlan(plan: Plan, redundancy: str, progress: Callable[[float], None] 
         simulator.AdvanceTo(float(t))
         progress(float(t) / end)
     log = MakeRunLog(changed, parts.limits, logger, context)
-    summary = MakeSummary(changed, log, logger.margins(context, plan.task.bands), end, 1.0)
+    summary = MakeSummary(changed, log, logger.margins(context), end, 1.0)
     error, elbows = swivel_error(log.swivel, log.swivel_desired), ElbowKinematics()
     return RedundancyRun(plan, log, summary, error, elbow_distance(np.array([elbows.points(q) for q in log.q]), error))
 
