@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import AffineSystem
 
-from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, HoldAndPlace, SetInitialState, SkillClock
+from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.errors import BlfDmpError
-from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog, PlannedEvents
+from drake_blfdmp.evaluation.run_logger import PlannedEvents
+from drake_blfdmp.evaluation.simulation import Simulate
 from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
 from drake_blfdmp.planning.plan import MakePlan, Plan
 from drake_blfdmp.planning.scenario import DumpScenario, Scenario
@@ -30,9 +30,6 @@ Progress = Callable[[str, float], None]
 
 MOST_SCENE_FRAMES = 1000
 """A scene has no more; one of them takes about 5 kB."""
-
-LONGEST = 3.0
-"""A run whose phase is slowed down is given this many times its planned duration."""
 
 GHOST_AT = np.array([0.8, -0.1, 1.3])
 """Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
@@ -109,8 +106,21 @@ def CarryOut(
     plan.task.skill.save(folder / "skill.json")
     viewer = meshcat or start_meshcat(port=0)
     with ExitStack() as stack:
-        log, margins, wall, simulated, recorder = _simulate(plan, folder, viewer, progress, stack)
-        summary = MakeSummary(plan, log, margins, simulated, wall)
+        recorders: list[McapRecorder] = []
+
+        def add(builder: DiagramBuilder, parts: HoldAndPlace) -> None:
+            recorders.append(stack.enter_context(AddRecorder(builder, parts, folder / "run.mcap")))
+            AddViewer(builder, parts, viewer)
+            viewer.StartRecording(frames_per_second=SceneRate(plan), set_visualizations_while_recording=True)
+
+        done = Simulate(plan, add, progress)
+        viewer.StopRecording()
+        source = "synthetic" if plan.source.recording.synthetic else "recorded"
+        write_scene_html(
+            viewer, folder / "scene.html", title=f"{scenario.name}: law {scenario.law}, {source} person", legend=LEGEND
+        )
+        log, recorder = done.log, recorders[0]
+        summary = MakeSummary(plan, log, done.margins, done.simulated_s, done.wall_s)
         for name, t in log.events:
             recorder.Event(name, t)
         recorder.AddAttachment("scenario.yaml", DumpScenario(scenario), "application/yaml")
@@ -123,39 +133,6 @@ def CarryOut(
     write_figures(log, folder)
     progress("drawing figures", 1.0)
     return Run(plan, log, summary, folder)
-
-
-def _simulate(plan: Plan, folder: Path, viewer: Meshcat, progress: Progress, stack: ExitStack):
-    scenario = plan.scenario
-    builder = DiagramBuilder()
-    parts = AddHoldAndPlace(builder, plan)
-    logger = AddRunLogger(builder, parts)
-    recorder = stack.enter_context(AddRecorder(builder, parts, folder / "run.mcap"))
-    AddViewer(builder, parts, viewer)
-    diagram = builder.Build()
-    simulator = Simulator(diagram)
-    context = simulator.get_mutable_context()
-    SetInitialState(parts, diagram, context)
-    viewer.StartRecording(frames_per_second=SceneRate(plan), set_visualizations_while_recording=True)
-    end = plan.duration_s
-    started = time.perf_counter()
-    simulator.Initialize()
-    for t in (*np.arange(0.1, end, 0.1), end, *np.arange(end + 0.1, LONGEST * end, 0.1)):
-        simulator.AdvanceTo(float(t))
-        clock = SkillClock(parts, context)
-        progress("simulating", min(clock / end, 1.0))
-        if t >= end and clock >= end - 1e-6:
-            break
-    wall = time.perf_counter() - started
-    viewer.StopRecording()
-    progress("measuring", 0.0)
-    log = MakeRunLog(plan, parts.limits, logger, context)
-    progress("measuring", 1.0)
-    source = "synthetic" if plan.source.recording.synthetic else "recorded"
-    write_scene_html(
-        viewer, folder / "scene.html", title=f"{scenario.name}: law {scenario.law}, {source} person", legend=LEGEND
-    )
-    return log, logger.margins(context), wall, context.get_time(), recorder
 
 
 def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:

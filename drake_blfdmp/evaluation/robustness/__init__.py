@@ -1,0 +1,1 @@
+"""Success under variation: random tasks, carried out in processes of their own, judged, counted and explained."""
