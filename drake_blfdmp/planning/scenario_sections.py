@@ -203,8 +203,8 @@ class FeedbackConfig:
     contact_force: float = 10.0
     tempo: bool = True
     phase_stopping: bool = True
-    slack: float = 0.01
-    scale: float = 0.02
+    slack: float = 0.006
+    scale: float = 0.01
 
 
 @dataclass

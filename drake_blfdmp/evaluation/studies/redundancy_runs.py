@@ -4,12 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder
 
-from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, SetInitialState
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog
+from drake_blfdmp.evaluation.simulation import Simulate
 from drake_blfdmp.evaluation.studies.swivel_metrics import elbow_distance, swivel_error, swivel_rms
 from drake_blfdmp.evaluation.study import Table
 from drake_blfdmp.evaluation.summary import MakeSummary
@@ -46,20 +43,9 @@ def SimulatePlan(plan: Plan, redundancy: str, progress: Callable[[float], None] 
     """
     retarget = replace(plan.scenario.retarget, redundancy=redundancy)
     changed = replace(plan, scenario=replace(plan.scenario, retarget=retarget))
-    builder = DiagramBuilder()
-    parts = AddHoldAndPlace(builder, changed)
-    logger = AddRunLogger(builder, parts)
-    diagram = builder.Build()
-    simulator = Simulator(diagram)
-    context = simulator.get_mutable_context()
-    SetInitialState(parts, diagram, context)
-    simulator.Initialize()
-    end = plan.duration_s
-    for t in np.linspace(0.0, end, 20)[1:]:
-        simulator.AdvanceTo(float(t))
-        progress(float(t) / end)
-    log = MakeRunLog(changed, parts.limits, logger, context)
-    summary = MakeSummary(changed, log, logger.margins(context), end, 1.0)
+    done = Simulate(changed, progress=lambda what, share: progress(share))
+    log = done.log
+    summary = MakeSummary(changed, log, done.margins, done.simulated_s, done.wall_s)
     error, elbows = swivel_error(log.swivel, log.swivel_desired), ElbowKinematics()
     return RedundancyRun(plan, log, summary, error, elbow_distance(np.array([elbows.points(q) for q in log.q]), error))
 
