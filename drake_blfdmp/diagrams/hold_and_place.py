@@ -111,6 +111,7 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
             hold_until=plan.settle_s,
             redundancy=scenario.retarget.redundancy,
             mirrored=plan.retarget.elbow_up,
+            clearance=scenario.retarget.clearance,
         ),
     )
     for name in ("position", "velocity"):

@@ -145,6 +145,7 @@ def CheckScenario(scenario: Scenario) -> None:
     optional = {
         "box.width": box.width,
         "retarget.scale": scenario.retarget.scale,
+        "retarget.clearance": scenario.retarget.clearance,
         "task.duration_scale": task.duration_scale,
         "task.squeeze": task.squeeze,
         "bands.upper_arm": scenario.bands.upper_arm,

@@ -241,6 +241,7 @@ class RetargetConfig:
         level: keep the line between the palms horizontal.
         elbow_up: mirror the elbows to above the line from shoulder to wrist.
         redundancy: what the arms' seventh joint is for while they move: "swivel", "none" or "published".
+        clearance: distance that the moving arms keep from themselves and each other, m; None: not looked at.
     """
 
     scale: float | None = None
@@ -248,6 +249,7 @@ class RetargetConfig:
     level: bool = True
     elbow_up: bool = True
     redundancy: str = "swivel"
+    clearance: float | None = 0.01
 
 
 @dataclass

@@ -14,6 +14,16 @@ INFLUENCE = 0.1
 MOST_PAIRS = 8
 """Of the pairs only the nearest count: their Jacobians are what costs time."""
 
+REFRESH = 0.01
+"""How far a joint may move, rad, until distances are looked up anew and not carried on by their gradients. A pair is then
+off by less than CARRIED."""
+
+CARRIED = 6e-4
+"""m, which the clearance is widened by to pay for that (measured in the tests on random postures)."""
+
+NEAR_SIZE = 2 * JOINTS_PER_ARM + MOST_PAIRS * (1 + 2 * JOINTS_PER_ARM)
+"""Numbers in a record of `PairClearance.near`."""
+
 RECEDE = 0.1
 """Largest speed with which a pair that is too near is moved apart, m/s."""
 
@@ -35,7 +45,7 @@ class PairClearance(ClearanceChecker):
             TaskError: `clearance` is not such that the pairs can be looked at.
         """
         super().__init__(max_distance=clearance + INFLUENCE)
-        self._clearance = clearance
+        self._clearance = clearance + CARRIED
         self._columns = []
         for arm in self._arms:
             first = self.plant.GetJointByName("panda_joint1", arm).velocity_start()
@@ -54,6 +64,29 @@ class PairClearance(ClearanceChecker):
             for id, point, sign in ((pair.id_A, pair.p_ACa, 1.0), (pair.id_B, pair.p_BCb, -1.0)):
                 row += sign * (pair.nhat_BA_W @ self._point_jacobian(inspector, id, point))
         return np.array([pair.distance for pair in found]), rows
+
+    def near(self, q, known=None) -> np.ndarray:
+        """A record (NEAR_SIZE,) of the near pairs at q (14,), rad, or near it: that posture, their distances and rows.
+
+        Args:
+            known: an earlier record, which is handed back where no joint has moved by more than REFRESH since.
+        """
+        if known is not None and np.all(np.abs(q - known[: len(self._columns)]) <= REFRESH):
+            return known
+        distances, rows = self.pairs(q)
+        record = np.zeros(NEAR_SIZE)
+        record[: len(q)], record[len(q) : len(q) + MOST_PAIRS] = q, np.inf
+        record[len(q) : len(q) + len(distances)] = distances
+        record[len(q) + MOST_PAIRS :][: rows.size] = rows.ravel()
+        return record
+
+    def carried_on(self, record, q) -> tuple[np.ndarray, np.ndarray]:
+        """What `pairs` returns, at q (14,), from a record of `near`: distances go on by their gradients."""
+        n = len(self._columns)
+        distances = record[n : n + MOST_PAIRS]
+        count = int(np.isfinite(distances).sum())
+        rows = record[n + MOST_PAIRS :].reshape(MOST_PAIRS, n)[:count]
+        return distances[:count] + rows @ (q - record[:n]), rows
 
     def _point_jacobian(self, inspector, id: GeometryId, point) -> np.ndarray:
         frame_id: FrameId = inspector.GetFrameId(id)

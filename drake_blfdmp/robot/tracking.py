@@ -83,6 +83,7 @@ class Tracked(NamedTuple):
             damping near a singularity takes away, and what the joints cannot brake or turn in time.
         clearance: least distance of the arms now, m; inf where none is near or nobody asked.
         palms: (2, 3) where the palms are one step on, m in W.
+        near: record of the near pairs of links (`PairClearance.near`), to be given back; empty if nobody asked.
     """
 
     velocity: np.ndarray
@@ -91,6 +92,7 @@ class Tracked(NamedTuple):
     deviation: np.ndarray
     clearance: float
     palms: np.ndarray
+    near: np.ndarray
 
 
 class DualArmTracker:
@@ -135,7 +137,7 @@ class DualArmTracker:
         self._pairs = None if clearance is None else PairClearance(clearance)
 
     def velocity(
-        self, q, pose, twist, swivel, swivel_rate, previous=None, time_step: float = 0.0, commanded=None
+        self, q, pose, twist, swivel, swivel_rate, previous=None, time_step: float = 0.0, commanded=None, near=None
     ) -> Tracked:
         """Joint velocities at q.
 
@@ -150,6 +152,7 @@ class DualArmTracker:
             time_step: s.
             commanded: (14,) rad, the position that the velocities are integrated from, where that is not q: it too
                 stays within its limits.
+            near: `Tracked.near` of the last call, which saves looking for near pairs while the arms have hardly moved.
         """
         gains = self._gains
         acceleration = np.full(2 * JOINTS_PER_ARM, ENDLESS)
@@ -188,27 +191,30 @@ class DualArmTracker:
                 asked = self._published_speed(elbows[0][arm], elbows[1][arm], swivel[arm])
                 solved = resolve_null(*task, asked, *bounds, gains, gentle, inverse)
             q_dot[arm], scale[arm] = solved
-        q_dot, scale, nearest = self._clear(
-            q, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step
-        )
+        nearest, record = np.inf, np.zeros(0)
+        if self._pairs is not None:
+            record = self._pairs.near(q, near)
+            pairs = self._pairs.carried_on(record, q)
+            nearest = float(pairs[0].min(initial=np.inf))
+            q_dot, scale = self._clear(
+                pairs, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step
+            )
         # The last digit is the bounds'.
         q_dot = np.minimum(np.maximum(q_dot, low), high)
         moved = (jacobians @ q_dot[..., None])[..., 0]
         palms = np.array([state.position for state in states]) + time_step * moved[:, 3:]
-        return Tracked(q_dot.ravel(), scale, now, twist_size(moved - scale[:, None] * commands), nearest, palms)
+        return Tracked(q_dot.ravel(), scale, now, twist_size(moved - scale[:, None] * commands), nearest, palms, record)
 
-    def _clear(self, q, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step):
-        """Velocities (2, 7) and scales (2,) that also keep the arms apart, and their least distance, m."""
-        if self._pairs is None:
-            return q_dot, scale, np.inf
-        distances, rows = self._pairs.pairs(q)
+    def _clear(self, pairs, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step):
+        """Velocities (2, 7) and scales (2,) that also keep the arms apart: near `pairs` as distances and rows."""
+        distances, rows = pairs
         least = self._pairs.least_rates(
             distances, rows, self._gains.limit_gain, CORRECTION_SHARE * acceleration, time_step
         )
         if np.any(rows @ q_dot.ravel() < least - REACHED):
             bases = np.array([inverse @ command for (inverse, _), command in zip(inverses, commands, strict=True)])
             q_dot, scale = nearest_velocities(jacobians, bases, q_dot, low, high, rows, least)
-        return q_dot, scale, float(distances.min(initial=np.inf))
+        return q_dot, scale
 
     def _bounds(self, q, previous, acceleration, time_step, commanded):
         """The interval of each joint's velocity, (14,) and (14,): from its limits at q, and what it can reach."""

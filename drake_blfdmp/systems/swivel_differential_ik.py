@@ -6,6 +6,7 @@ from pydrake.systems.framework import LeafSystem
 from drake_blfdmp.errors import ScenarioError, TaskError
 from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS, IkGains
 from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.pair_clearance import NEAR_SIZE
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.tempo import next_tempo
 from drake_blfdmp.robot.tracking import DualArmTracker
@@ -36,7 +37,7 @@ class SwivelDifferentialIk(LeafSystem):
         - commanded_palms
 
     Discrete state: q (14), v (14), task_scale (2), swivel (2), task_deviation (2), tempo (1), clearance (1),
-    commanded_palms (6). The inputs are those of Retargeting. No output is direct-feedthrough. Joint positions,
+    commanded_palms (6) and, with `clearance`, a record of the near pairs of links. The inputs are those of Retargeting. No output is direct-feedthrough. Joint positions,
     velocities and accelerations stay within their limits whatever the inputs are; what that costs the palms is an
     output:
 
@@ -109,6 +110,7 @@ class SwivelDifferentialIk(LeafSystem):
         tempo = self.DeclareDiscreteState(np.ones(1))
         nearest = self.DeclareDiscreteState(np.full(1, np.inf))
         palms = self.DeclareDiscreteState(np.concatenate([state.position for state in initial]))
+        self._near = None if clearance is None else self.DeclareDiscreteState(np.full(NEAR_SIZE, np.inf))
         self.DeclareStateOutputPort("position", q)
         self.DeclareStateOutputPort("velocity", v)
         for arm, name in enumerate(("left", "right")):
@@ -146,6 +148,7 @@ class SwivelDifferentialIk(LeafSystem):
             self._time_step,
             # A blocked arm must not wind the command past its limits.
             commanded=q if measured else None,
+            near=None if self._near is None else context.get_discrete_state(self._near).value(),
         )
         tempo = context.get_discrete_state(5).value()
         tempo = next_tempo(tempo, tracked.scale.min(), self._time_step, *self._tempo_constants)
@@ -158,6 +161,7 @@ class SwivelDifferentialIk(LeafSystem):
             tempo,
             [tracked.clearance],
             tracked.palms.ravel(),
+            *(() if self._near is None else (tracked.near,)),
         )
         for index, value in enumerate(values):
             discrete_state.get_mutable_vector(index).SetFromVector(value)

@@ -7,7 +7,15 @@ from scipy.spatial.transform import Rotation
 from drake_blfdmp.errors import ScenarioError
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.pair_clearance import INFLUENCE, MOST_PAIRS, RECEDE, PairClearance
+from drake_blfdmp.robot.pair_clearance import (
+    CARRIED,
+    INFLUENCE,
+    MOST_PAIRS,
+    NEAR_SIZE,
+    RECEDE,
+    REFRESH,
+    PairClearance,
+)
 from drake_blfdmp.robot.plant import ARMS, HOME, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.robot.tracking import DualArmTracker, pose_error
@@ -56,12 +64,36 @@ def test_distances_are_the_checkers_and_rows_are_their_derivatives(q):
     assert np.abs(rows[0, 7:]).max() > 0.05
 
 
+def test_a_record_is_kept_while_no_joint_has_moved_far_and_made_anew_then():
+    q = near_postures(1)[0]
+    record = PAIRS.near(q)
+    assert record.shape == (NEAR_SIZE,)
+    for found, wanted in zip(PAIRS.carried_on(record, q), PAIRS.pairs(q), strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    assert PAIRS.near(q + 0.99 * REFRESH, record) is record
+    moved = q + np.where(np.arange(14) == 3, 1.01 * REFRESH, 0.0)
+    np.testing.assert_array_equal(PAIRS.near(moved, record), PAIRS.near(moved))
+    np.testing.assert_array_equal(PAIRS.near(q, np.full(NEAR_SIZE, np.inf)), record)
+
+
+def test_distances_carried_on_are_off_by_no_more_than_the_clearance_is_widened():
+    """The least distance, over random moves of all joints by up to REFRESH. Drake's own digits (see above) are left out."""
+    rng, worst = np.random.default_rng(5), []
+    for q in near_postures(4):
+        record = PAIRS.near(q)
+        for _ in range(40):
+            moved = q + rng.uniform(-REFRESH, REFRESH, 14)
+            worst.append(abs(PAIRS.carried_on(record, moved)[0].min() - PAIRS.pairs(moved)[0].min()))
+    assert np.quantile(worst, 0.95) < CARRIED
+    assert max(worst) < CARRIED + 1e-3
+
+
 def test_a_pair_may_come_no_nearer_than_it_can_brake_and_must_part_when_too_near():
     rows, acceleration = np.ones((4, 14)) / 14, np.full(14, 2.0)
-    distances = CLEARANCE + np.array([-0.2, -0.01, 0.0, 0.01])
+    distances = CLEARANCE + CARRIED + np.array([-0.2, -0.01, 0.0, 0.01])
     least = PAIRS.least_rates(distances, rows, 5.0, acceleration, DT)
     np.testing.assert_allclose(least, [RECEDE, 0.05, 0.0, -0.05], atol=1e-12)
-    far = PAIRS.least_rates(np.array([CLEARANCE + 4.0]), rows[:1], 5.0, acceleration, DT)
+    far = PAIRS.least_rates(np.array([CLEARANCE + CARRIED + 4.0]), rows[:1], 5.0, acceleration, DT)
     assert far[0] == pytest.approx(-np.sqrt(2 * 2.0 * 4.0), rel=0.05)
 
 
