@@ -24,15 +24,16 @@ from drake_blfdmp.robot.description import MakeSceneDescription
 from drake_blfdmp.skeleton import LINKS, POINTS
 from drake_blfdmp.viewing.figures import write_figures
 from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat, write_scene_html
-from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, SkeletonGhost
+from drake_blfdmp.viewing.skeleton_drawer import BAND_LEGEND, LEGEND, PERSON_LEGEND, SkeletonDrawer, SkeletonGhost
+from drake_blfdmp.viewing.stage import add_stage
 
 Progress = Callable[[str, float], None]
 
 MOST_SCENE_FRAMES = 1000
 """A scene has no more; one of them takes about 5 kB."""
 
-GHOST_AT = np.array([0.8, -0.1, 1.3])
-"""Where the ghost's shoulders are drawn, m in W: beside the arms, life-size."""
+GHOST_AT = np.array([0.95, -0.1, 1.4])
+"""Where the ghost's shoulders are drawn, m in W: beside the arms, life-size, its feet on the floor."""
 
 
 @dataclass(frozen=True)
@@ -116,9 +117,9 @@ def CarryOut(
         done = Simulate(plan, add, progress)
         viewer.StopRecording()
         source = "synthetic" if plan.source.recording.synthetic else "recorded"
-        write_scene_html(
-            viewer, folder / "scene.html", title=f"{scenario.name}: law {scenario.law}, {source} person", legend=LEGEND
-        )
+        title = f"{scenario.name}: law {scenario.law}, {source} person"
+        legend = {**LEGEND, **BAND_LEGEND, **PERSON_LEGEND}
+        write_scene_html(viewer, folder / "scene.html", title=title, legend=legend)
         log, recorder = done.log, recorders[0]
         summary = MakeSummary(plan, log, done.margins, done.simulated_s, done.wall_s)
         for name, t in log.events:
@@ -186,6 +187,7 @@ def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) ->
     meshcat.Delete()
     meshcat.DeleteAddedControls()
     set_scene_camera(meshcat)
+    add_stage(meshcat, middle=(GHOST_AT[0] / 2, 0.1))
     MeshcatVisualizer.AddToBuilder(
         builder, parts.scene_graph, meshcat, MeshcatVisualizerParams(publish_period=period, enable_alpha_slider=False)
     )
@@ -202,5 +204,6 @@ def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) ->
         ghost.get_output_port(),
         SkeletonGhost(meshcat),
         margin_port=parts.skill.coupler.GetOutputPort("margin"),
+        bands_port=parts.skill.bands.GetOutputPort("bands"),
         publish_period=period,
     )

@@ -19,10 +19,10 @@ from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import RigidBody, SpatialInertia
 
 from drake_blfdmp.errors import TaskError
+from drake_blfdmp.robot.box_look import AddBoxLook
 
-BOX_COLOR = (0.80, 0.33, 0.17, 1.0)
-TAPE_COLOR = (0.93, 0.80, 0.52, 1.0)
-WOOD_COLOR = (0.62, 0.44, 0.27, 1.0)
+TOP_COLOR = (0.50, 0.56, 0.62, 1.0)
+EDGING_COLOR = (0.24, 0.27, 0.31, 1.0)
 LEG_COLOR = (0.30, 0.31, 0.33, 1.0)
 
 TABLE_MODULUS = 5.0e6  # Pa
@@ -113,11 +113,7 @@ def AddBox(plant: MultibodyPlant, parameters: BoxParameters, name: str = "box") 
         AddRigidHydroelasticProperties(properties)
         X_BG = RigidTransform()
         plant.RegisterCollisionGeometry(body, X_BG, Box(*parameters.size), f"{name}_faces", properties)
-        plant.RegisterVisualGeometry(body, X_BG, Box(*parameters.size), f"{name}_visual", _vector(BOX_COLOR))
-        # A strip of tape round the middle shows the box's tilt; it stands 1 mm proud of the faces.
-        tape = parameters.size + np.array([-0.004, 0.002, 0.002])
-        tape[0] = 0.2 * parameters.width
-        plant.RegisterVisualGeometry(body, X_BG, Box(*tape), f"{name}_tape", _vector(TAPE_COLOR))
+        AddBoxLook(plant, body, parameters.size, name)
     return body
 
 
@@ -145,7 +141,11 @@ def AddTable(plant: MultibodyPlant, parameters: TableParameters) -> RigidBody:
     AddContactMaterial(DISSIPATION, None, _friction(TABLE_FRICTION), properties)
     AddCompliantHydroelasticProperties(max(width, depth), TABLE_MODULUS, properties)
     plant.RegisterCollisionGeometry(body, X_TS, slab, f"{name}_slab", properties)
-    plant.RegisterVisualGeometry(body, X_TS, slab, f"{name}_slab_visual", _vector(WOOD_COLOR))
+    plant.RegisterVisualGeometry(body, X_TS, slab, f"{name}_slab_visual", _vector(TOP_COLOR))
+    # An edging round the slab, 1 mm proud of its sides and short of its top, tells the top's outline from behind it.
+    edging = Box(width + 0.002, depth + 0.002, 0.7 * thickness)
+    X_TE = RigidTransform(_vector([0.0, 0.0, -0.65 * thickness]))
+    plant.RegisterVisualGeometry(body, X_TE, edging, f"{name}_edging_visual", _vector(EDGING_COLOR))
 
     leg_length = parameters.top_center[2] - thickness
     if leg_length > 0:

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import yaml
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.robot.box import BOX_COLOR, WOOD_COLOR, BoxParameters, TableParameters
+from drake_blfdmp.robot.box import TOP_COLOR, BoxParameters, TableParameters
+from drake_blfdmp.robot.box_look import BOX_COLOR
 from drake_blfdmp.robot.models import ModelsDirectory
 
 DRAKE = "{http://drake.mit.edu}"
@@ -33,7 +34,7 @@ def MakeSceneDescription(box: BoxParameters | None, tables: Sequence[TableParame
         _fix(scene, f"{instance}_{root}", f"{x} {y} {z}", f"{roll} {pitch} {yaw}")
     for table in tables:
         x, y, z = table.top_center
-        slab = _link(scene, table.name, (*table.size, table.thickness), WOOD_COLOR, -0.5 * table.thickness)
+        slab = _link(scene, table.name, (*table.size, table.thickness), TOP_COLOR, -0.5 * table.thickness)
         _fix(scene, slab, f"{x} {y} {z}", "0 0 0")
     if box is not None:
         name = _link(scene, "box", tuple(box.size), BOX_COLOR, 0.0)

@@ -13,12 +13,29 @@ from pydrake.geometry import Meshcat, MeshcatAnimation, MeshcatParams
 
 from drake_blfdmp.errors import BlfDmpError
 
-CAMERA_IN_WORLD = (1.05, 1.75, 1.35)  # In front of the arms, which reach along +y from x = -0.2 and 0.2 m; p_WC, m.
-TARGET_IN_WORLD = (0.3, 0.15, 0.82)
+CAMERA_IN_WORLD = (1.35, 3.35, 1.75)  # In front of the arms, which reach along +y from x = -0.2 and 0.2 m; p_WC, m.
+TARGET_IN_WORLD = (0.38, 0.10, 0.80)
+FIELD_OF_VIEW = (32.5, 35.0)
+"""Degrees, upright and across, that a window of any shape shows at least; Meshcat's own 75 distort."""
 
 _log = logging.getLogger(__name__)
 _LEAST_PORT = 1024  # Drake ends the process for lower ones.
 _LARGEST_PAGE_MB = 5.0
+
+# Meshcat keeps the upright angle of view; a narrow window would cut the scene off at both sides.
+_FIT_WINDOW = f"""<script>
+function fit_window() {{
+  const half = (degrees) => Math.tan((degrees * Math.PI) / 360);
+  const across = half({FIELD_OF_VIEW[1]}) / (window.innerWidth / window.innerHeight);
+  const angle = (Math.atan(Math.max(half({FIELD_OF_VIEW[0]}), across)) * 360) / Math.PI;
+  viewer.set_property(["Cameras", "default", "rotated", "<object>"], "fov", angle);
+  viewer.set_dirty();
+}}
+window.addEventListener("resize", fit_window);
+setTimeout(fit_window, 0);
+setTimeout(fit_window, 500);
+</script>
+"""
 
 
 def start_meshcat(*, host: str = "localhost", port: int | None = None, show_grid: bool = True) -> Meshcat:
@@ -59,7 +76,7 @@ def set_scene_camera(
     camera_in_world: tuple[float, float, float] = CAMERA_IN_WORLD,
     target_in_world: tuple[float, float, float] = TARGET_IN_WORLD,
 ) -> None:
-    """Looks from `camera_in_world` (p_WC, m) to `target_in_world` (p_WT, m); both arms and the box by default.
+    """Looks from `camera_in_world` (p_WC, m) to `target_in_world` (p_WT, m); arms, box and person by default.
 
     Raises:
         BlfDmpError: the two points are the same.
@@ -67,6 +84,7 @@ def set_scene_camera(
     if tuple(camera_in_world) == tuple(target_in_world):
         raise BlfDmpError(f"Meshcat: camera and target are both at {tuple(target_in_world)}; move one of them")
     meshcat.SetCameraPose(camera_in_world, target_in_world)
+    meshcat.SetProperty("/Cameras/default/rotated/<object>", "fov", FIELD_OF_VIEW[0])
 
 
 def write_scene_html(
@@ -130,7 +148,7 @@ def _with_caption(page: str, title: str, legend: Mapping[str, str]) -> str:
     caption = (
         '<div id="caption" style="position:fixed;left:12px;bottom:12px;padding:8px 12px;border-radius:4px;'
         "background:rgba(255,255,255,0.85);color:#222;font:13px/1.5 sans-serif;pointer-events:none;"
-        f'max-width:40vw"><div style="font-weight:bold">{escaped}</div>{rows}</div>\n'
+        f'max-width:min(26em, 80vw)"><div style="font-weight:bold">{escaped}</div>{rows}</div>\n'
     )
     before, end, after = page.rpartition("</body>")
-    return before + caption + end + after
+    return before + caption + _FIT_WINDOW + end + after

@@ -10,15 +10,17 @@ from pydrake.math import RigidTransform, RotationMatrix
 from drake_blfdmp.demonstration.bones import BONES, link_lengths
 from drake_blfdmp.demonstration.health import Examined
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.robot.box_look import BOX_COLOR
 from drake_blfdmp.skeleton import WRISTS
 from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, write_scene_html
 from drake_blfdmp.viewing.skeleton_drawer import INSIDE, LEGEND, NEAR, OUTSIDE, SkeletonGhost
+from drake_blfdmp.viewing.stage import add_stage
 
 _FRAMES_HZ = 24.0
 _MOST_FRAMES = 1500  # Keeps the page at a few MB; longer recordings are shown with fewer frames a second.
 _NEAR, _OUTSIDE = 0.10, 0.25  # Deviation of a bone from its median that is marked, as a share of it.
 _BOX_HEIGHT, _BOX_DEPTH = 0.20, 0.20  # m; the recording knows the width alone.
-_DISTANCE = 0.8  # m from the person to the camera, beside half of what the motion spans.
+_DISTANCE, _AWAY = 2.7, 1.4  # m from the person to the camera: so much, and this share of what the motion spans.
 
 _STATES = {INSIDE: "at its usual length", NEAR: f"{100 * _NEAR:.0f} % off", OUTSIDE: f"{100 * _OUTSIDE:.0f} % off"}
 
@@ -42,11 +44,12 @@ def write_recording_page(
     x[..., :2] -= x[0, [0, 3], :2].mean(axis=0)
     x[..., 2] -= x[..., 2].min() - 0.05 if x[..., 2].min() < 0.0 else 0.0  # A camera's origin is not on the floor.
     meshcat.Delete()
-    ghost = SkeletonGhost(meshcat, opacity=0.95, near_margin=_OUTSIDE - _NEAR)
+    ghost = SkeletonGhost(meshcat, near_margin=_OUTSIDE - _NEAR)
+    add_stage(meshcat)
     holding = examined.holding
     if holding is not None:
         shape = Box(max(holding.hand_distance, 0.02), _BOX_DEPTH, _BOX_HEIGHT)
-        meshcat.SetObject("/box", shape, Rgba(0.80, 0.58, 0.33, 0.75))
+        meshcat.SetObject("/box", shape, Rgba(*BOX_COLOR[:3], 0.75))
     set_scene_camera(meshcat, *_camera(x))
     margin = _margins(link_lengths(x))
     meshcat.StartRecording(frames_per_second=demonstration.rate_hz / step, set_visualizations_while_recording=True)
@@ -66,11 +69,11 @@ def write_recording_page(
 def _camera(x: np.ndarray) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Where to look from and to, m in W: from the front, a little from the right and from above."""
     low, high = x.min(axis=(0, 1)), x.max(axis=(0, 1))
-    target = (low + high) / 2.0
+    target = (low + high) / 2.0 - [0.0, 0.0, 0.1]  # Arms are the upper half of what is seen.
     across = (x[:, 3] - x[:, 0]).mean(axis=0)[:2]
     across = across / max(float(np.linalg.norm(across)), 1e-6)
     direction = np.append(np.array([-across[1], across[0]]) + 0.5 * across, 0.4)
-    camera = target + (_DISTANCE + 0.5 * float(np.linalg.norm(high - low))) * direction / np.linalg.norm(direction)
+    camera = target + (_DISTANCE + _AWAY * float(np.linalg.norm(high - low))) * direction / np.linalg.norm(direction)
     return tuple(camera), tuple(target)
 
 

@@ -34,6 +34,9 @@ class Tree:
     def SetObject(self, path, shape, rgba):
         self.objects.append(path)
 
+    def SetTriangleMesh(self, path, vertices, faces, rgba, side):
+        self.objects.append(path)
+
     def SetTransform(self, path, pose, time_in_recording=None):
         self.poses[path] = pose
         self.times.append(time_in_recording)
@@ -43,7 +46,7 @@ class Tree:
 
 
 def visible(tree, link):
-    return [state for state in STATES if tree.properties[f"/skeleton/{link}/{state}", "visible"]]
+    return [state for state in STATES if tree.properties[f"/skeleton/{link}/rods/{state}", "visible"]]
 
 
 def test_states_by_margin():
@@ -82,7 +85,7 @@ def test_draws_every_point_and_link_once_and_makes_nothing_new(points, margin):
         np.testing.assert_array_equal(tree.poses[f"/skeleton/{name}"].translation(), point)
     for link, state in zip(LINKS, classify(margin, 0.1), strict=True):
         assert visible(tree, link.name) == [state]
-        scale = tree.properties[f"/skeleton/{link.name}/{state}", "scale"]
+        scale = tree.properties[f"/skeleton/{link.name}/rods", "scale"]
         length = np.linalg.norm(points[link.b] - points[link.a])
         np.testing.assert_allclose(scale, [1.0, 1.0, max(length, 1e-6)], rtol=1e-9)
 
