@@ -15,6 +15,7 @@ from drake_blfdmp.planning.task import LawGains
 from drake_blfdmp.robot.box import AddBox, AddTable
 from drake_blfdmp.robot.contact import ContactPlantConfig, palm_bodies
 from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.meshes import ShowMeshes
 from drake_blfdmp.robot.plant import (
     DEFAULT_DAMPING,
     DEFAULT_STIFFNESS,
@@ -71,6 +72,8 @@ def AddPlannedPlant(
     """
     plant, scene_graph = AddMultibodyPlant(ContactPlantConfig(plan.scenario.simulation.time_step), builder)
     arms = AddDualPanda(plant)
+    if plan.scenario.simulation.visuals == "meshes":
+        ShowMeshes(plant, scene_graph, arms)
     for table in plan.tables:
         AddTable(plant, table)
     real_box = plan.real_box

@@ -30,6 +30,7 @@ from drake_blfdmp.planning.scenario_sections import (
     SyntheticConfig,
     TaskConfig,
 )
+from drake_blfdmp.robot.meshes import VISUALS, RequireMeshes
 from drake_blfdmp.robot.redundancy import REDUNDANCIES
 from drake_blfdmp.skeleton import POINTS
 from drake_blfdmp.skill.laws import LAWS
@@ -113,10 +114,13 @@ def CheckScenario(scenario: Scenario) -> None:
         "task.kind": (scenario.task.kind, TASK_KINDS),
         "retarget.redundancy": (scenario.retarget.redundancy, REDUNDANCIES),
         "reality.push_arm": (scenario.reality.push_arm, ("left", "right")),
+        "simulation.visuals": (scenario.simulation.visuals, VISUALS),
     }
     for key, (value, allowed) in choices.items():
         if value not in allowed:
             raise ScenarioError(f"scenario: {key} is '{value}'; choose one of {', '.join(allowed)}")
+    if scenario.simulation.visuals == "meshes":
+        RequireMeshes()
     simulation, task, box, reality = scenario.simulation, scenario.task, scenario.box, scenario.reality
     positive = {
         "simulation.time_step": simulation.time_step,

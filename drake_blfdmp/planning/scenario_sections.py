@@ -254,9 +254,13 @@ class RetargetConfig:
 
 @dataclass
 class SimulationConfig:
-    """Steps and rates: `time_step` of the plant, `skill_time_step` of the skill and the inverse kinematics."""
+    """Steps and rates: `time_step` of the plant, `skill_time_step` of the skill and the inverse kinematics.
+
+    `visuals`: what the arms look like, one of `robot.meshes.VISUALS`.
+    """
 
     time_step: float = 0.002
     skill_time_step: float = 0.004
     record_rate_hz: float = 100.0
     scene_rate_hz: float = 24.0
+    visuals: str = "primitive"
