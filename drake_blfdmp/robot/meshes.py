@@ -1,7 +1,7 @@
 """The Panda's real meshes in place of the primitives of its URDF: looks alone, with the extra `visuals`.
 
-The meshes are those of the package `example-robot-data` (Apache-2.0), COLLADA files that Drake cannot draw. `trimesh` turns
-each into one glTF file in memory, colours kept; nothing is written or downloaded.
+The meshes are those of the package `example-robot-data` (Apache-2.0), COLLADA files that Drake cannot draw. `trimesh`
+turns each into one glTF file in memory, colours kept; nothing is written or downloaded.
 """
 
 from collections.abc import Sequence
@@ -9,6 +9,7 @@ from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, files
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydrake.common import MemoryFile
@@ -66,8 +67,8 @@ def RequireMeshes() -> dict[str, Path]:
 def _gltf(path: Path) -> dict[str, bytes]:
     """One COLLADA file as glTF: name of file to content, the first of them the mesh.
 
-    The files hold flat facets, each with corners of its own; corners are shared here, and edges below `_SMOOTH` smoothed,
-    which looks better and takes a quarter of the room.
+    The files hold flat facets, each with corners of its own; corners are shared here, and edges below `_SMOOTH`
+    smoothed, which looks better and takes a quarter of the room.
     """
     import trimesh
     from trimesh.graph import smooth_shade
@@ -77,7 +78,7 @@ def _gltf(path: Path) -> dict[str, bytes]:
     for name, part in scene.geometry.items():
         material = part.visual.material
         material.roughnessFactor, material.metallicFactor = 0.6, 0.0  # glTF's own default is a mirror.
-        # COLLADA's colours are those of a screen, glTF's are linear; pure white would be without shades under our light.
+        # COLLADA's colours are those of a screen, glTF's are linear; pure white would have no shades in our light.
         rgb = _WHITEST * material.baseColorFactor[:3] / 255.0
         material.baseColorFactor = [*np.where(rgb > 0.04045, ((rgb + 0.055) / 1.055) ** 2.4, rgb / 12.92), 1.0]
         part.merge_vertices(merge_norm=True, merge_tex=True)
@@ -86,7 +87,7 @@ def _gltf(path: Path) -> dict[str, bytes]:
         scene.geometry[name] = smooth
     # glTF's y axis is up; Drake turns it back.
     scene.apply_transform(RigidTransform(RotationMatrix.MakeXRotation(-np.pi / 2)).GetAsMatrix4())
-    exported = scene.export(file_type="gltf", merge_buffers=True)
+    exported: Any = scene.export(file_type="gltf", merge_buffers=True)
     return {"model.gltf": exported.pop("model.gltf"), **exported}
 
 

@@ -1,4 +1,4 @@
-"""The band of the hands' distance in Meshcat: where each hand may be, as a translucent sleeve about the line of both."""
+"""The band of the hands' distance in Meshcat: where each hand may be, as a translucent sleeve round their line."""
 
 # pyright: reportArgumentType=false, reportCallIssue=false
 # (Drake's own type stubs state array types that no array has.)
@@ -19,8 +19,8 @@ _SHORTEST = 1e-4  # m
 class HandsBand:
     """Two sleeves, one at each hand.
 
-    A hand that shares the distance's error with the other, as the middle of both stays, is inside its sleeve if and only
-    if the distance is inside its band: the sleeves reach from half the lower to half the upper limit from the middle.
+    They reach from half the lower to half the upper limit, counted from the middle of both hands. So either hand is
+    inside its sleeve if and only if the distance is inside its band.
     """
 
     def __init__(self, meshcat: Meshcat, path: str = "/hands_band"):

@@ -1,7 +1,7 @@
 """The shape of the person who stands as a ghost in the scene: body and legs, life-size, each one surface.
 
-One surface each, for of several translucent ones the seams would show. Arms are not part of it: they are what moves, and
-`skeleton_drawer` draws them.
+One surface each, for of several translucent ones the seams would show. Arms are not part of it: they are what moves,
+and `skeleton_drawer` draws them.
 """
 
 import numpy as np

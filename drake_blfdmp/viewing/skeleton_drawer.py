@@ -1,8 +1,8 @@
 """The person's skeleton in Meshcat, as a ghost beside or over the robots, coloured by how far each link is in its band.
 
 A Meshcat recording keeps transforms and properties but neither new objects nor colours. So everything is made up front:
-each link as three rods of unit length, one a colour, of which one is visible; their length is the animated `scale` of the
-group they are in.
+each link as three rods of unit length, one a colour, of which one is visible; their length is the animated `scale` of
+the group they are in.
 """
 
 # pyright: reportArgumentType=false, reportCallIssue=false

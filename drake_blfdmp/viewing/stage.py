@@ -31,7 +31,7 @@ def add_stage(meshcat: Meshcat, middle: tuple[float, float] = (0.0, 0.0)) -> Non
     start = np.concatenate([np.stack([offset, -half], axis=-1), np.stack([-half, offset], axis=-1)])
     end = np.concatenate([np.stack([offset, half], axis=-1), np.stack([half, offset], axis=-1)])
     # The grid's lines go through the floor's middle; where they are in W is of no use to anyone.
-    start, end = (np.column_stack([ends + [x, y], np.zeros(len(ends))]).T for ends in (start, end))
+    start, end = (np.column_stack([ends + np.array(middle), np.zeros(len(ends))]).T for ends in (start, end))
     meshcat.SetLineSegments(f"{_PATH}/grid", start, end, 1.0, _LINES)
     # The others are Meshcat's lights without shadows; they fill, and so are dimmed for the one that casts them.
     for name, intensity in (("AmbientLight", 1.1), ("FillLight", 0.5)):

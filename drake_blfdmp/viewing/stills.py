@@ -13,6 +13,7 @@ from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skeleton import LINKS
 from drake_blfdmp.viewing import style
+from drake_blfdmp.viewing.mesh_triangles import is_gltf_in_memory, mesh_triangles
 from drake_blfdmp.viewing.rendering import Triangles, capsule_corners, coloured, joined, shape_corners
 
 INSIDE, OUTSIDE, BODY = style.GREEN, style.VERMILLION, "#5A6470"
@@ -30,8 +31,10 @@ class SceneShapes:
             properties = inspector.GetIllustrationProperties(geometry)
             rgba = properties.GetPropertyOrDefault("phong", "diffuse", Rgba(0.9, 0.9, 0.9, 1.0))
             if rgba.a() > 0:
-                colour = (rgba.r(), rgba.g(), rgba.b())
-                self._shapes.append((geometry, coloured(shape_corners(inspector.GetShape(geometry)), colour)))
+                shape, colour = inspector.GetShape(geometry), (rgba.r(), rgba.g(), rgba.b())
+                gltf = is_gltf_in_memory(shape)
+                triangles = mesh_triangles(shape) if gltf else coloured(shape_corners(shape), colour)
+                self._shapes.append((geometry, triangles))
 
     def posed(self, query: QueryObject) -> Triangles:
         """The whole scene in W, as posed in the query's context."""
