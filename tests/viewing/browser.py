@@ -20,8 +20,8 @@ console.error = (...what) => report(what.join(" "));
 </script>"""
 
 
-def open_at(page, time, directory, *, script=""):
-    """Opens a copy of `page` at `time` (s) of its recording; returns pixels (H, W, 3) and the errors it reported."""
+def open_at(page, time, directory, *, script="", size=(640, 480)):
+    """Opens a copy of `page` at `time` (s) of its recording in a window of `size`; returns pixels (H, W, 3) and the errors it reported."""
     seek = f"viewer.animator.pause(); viewer.animator.seek({time}); viewer.set_dirty(); {script}"
     text = page.read_text(encoding="utf-8").replace("<head>", "<head>" + _REPORTER, 1)
     before, end, after = text.rpartition("</body>")
@@ -30,7 +30,8 @@ def open_at(page, time, directory, *, script=""):
     copy.write_text(f"{before}<script>setTimeout(() => {{{seek}}}, 2000)</script>{end}{after}", encoding="utf-8")
     switches = "headless no-sandbox use-angle=swiftshader enable-unsafe-swiftshader no-first-run disable-quic "
     switches += "disable-background-networking disable-component-update disable-sync hide-scrollbars "
-    switches += "enable-logging=stderr virtual-time-budget=4000 window-size=640,480"
+    switches += "enable-logging=stderr virtual-time-budget=4000 "
+    switches += f"window-size={size[0]},{size[1]}"
     command = [BROWSER, *(f"--{switch}" for switch in switches.split()), f"--user-data-dir={directory / 'profile'}"]
     command += [f"--screenshot={picture}", copy.as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)

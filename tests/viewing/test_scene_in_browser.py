@@ -12,14 +12,18 @@ from pydrake.geometry import (
     MakePhongIllustrationProperties,
     MeshcatVisualizer,
     MeshcatVisualizerParams,
+    Rgba,
     SceneGraph,
+    Sphere,
 )
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
+from drake_blfdmp.evaluation.carry_out import GHOST_AT
 from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat, write_scene_html
 from drake_blfdmp.viewing.skeleton_drawer import LEGEND, SkeletonDrawer, SkeletonGhost
+from drake_blfdmp.viewing.stage import add_stage
 
 DURATION = 10.0
 
@@ -93,6 +97,45 @@ def test_the_page_plays_and_shows_a_link_leave_its_band(page, tmp_path):
     assert min(coloured(pixels, 0, 0, 1) for pixels in seen) > 500, "no box"
     assert coloured(early, 1, 0, 0) < 20, "red before any link left its band"
     assert coloured(late, 1, 0, 0) > 200, "no red link"
+
+
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory):
+    """The page of a person beside where the arms stand, as a run shows them, and nothing that is recorded."""
+    meshcat = start_meshcat(port=0)
+    set_scene_camera(meshcat)
+    add_stage(meshcat)
+    x = np.array([[-0.18, 0.0, 0.0], [-0.3, 0.05, -0.2], [-0.15, 0.3, -0.3]])
+    points = np.concatenate([x, x * [-1, 1, 1]]) + GHOST_AT
+    SkeletonGhost(meshcat).draw(points, [0.5, 0.5, 0.1, 0.5, -0.1], hands_band=(0.2, 0.36))
+    # The robots' farthest corner stands for them.
+    meshcat.SetObject("/corner", Sphere(0.05), Rgba(1.0, 0.0, 1.0, 1.0))
+    meshcat.SetTransform("/corner", RigidTransform([-0.5, 0.3, 0.8]))
+    return write_scene_html(meshcat, tmp_path_factory.mktemp("standing") / "scene.html", title="Person")
+
+
+@needs_browser
+@pytest.mark.parametrize("size", [(1200, 500), (420, 700)])
+def test_wide_and_narrow_windows_show_the_whole_person_the_bands_and_the_arms_place(standing, tmp_path, size):
+    script = 'viewer.set_property(["stage"], "visible", false); viewer.hide_background();'
+    pixels, errors = open_at(standing, 0.0, tmp_path, size=size, script=script)
+    assert not errors
+    shown = pixels.copy()
+    height, width = shown.shape[:2]
+    shown[:22, width - 250 :] = 1.0  # The controls.
+    shown[height - 70 :, : width // 2] = 1.0  # The caption.
+    person = np.argwhere(np.ptp(shown, axis=-1) > 0.03)  # The body is bluish; what is behind it is white.
+    top, left = person.min(axis=0)
+    bottom, right = person.max(axis=0)
+    assert top > 0 and left > 0 and right < width - 1 and bottom < height - 1, "cut off"
+    assert bottom - top > 0.35 * height, "small"
+    assert coloured(shown, 1, 0, 1) > 20, "the arms' farthest corner is out of sight"
+    assert coloured(shown, 1, 0, 0) > 20, "the link outside its band is not red"
+    assert np.sum(shown[..., 1] > shown[..., 0] + 0.3) > 100, "links inside their bands are not green"
+    amber = (shown[..., 0] > shown[..., 1] + 0.1) & (shown[..., 1] > shown[..., 2] + 0.25)
+    sleeves = (shown[..., 2] > shown[..., 0] + 0.3) & (shown[..., 2] > shown[..., 1] + 0.1)
+    assert amber.sum() > 20, "the hands' link, near its band's edge, is not amber"
+    assert sleeves.sum() > 100, "no sleeves"
 
 
 @needs_browser

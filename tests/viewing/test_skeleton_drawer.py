@@ -3,12 +3,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from pydrake.math import RotationMatrix
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_blfdmp.errors import BlfDmpError
-from drake_blfdmp.skeleton import LINKS, POINTS
+from drake_blfdmp.skeleton import HANDS, LINKS, POINTS
+from drake_blfdmp.viewing import person_shape
 from drake_blfdmp.viewing.skeleton_drawer import (
     INSIDE,
     NEAR,
@@ -90,6 +92,24 @@ def test_draws_every_point_and_link_once_and_makes_nothing_new(points, margin):
         np.testing.assert_allclose(scale, [1.0, 1.0, max(length, 1e-6)], rtol=1e-9)
 
 
+def test_the_person_stands_below_the_shoulders_turned_as_they_are_with_feet_on_the_floor():
+    tree = Tree()
+    ghost = SkeletonGhost(tree)
+    turn = RotationMatrix.MakeZRotation(0.7).matrix()
+    ghost.draw(POSE @ turn.T + [0.5, -0.2, 0.0], np.ones(5))
+    for part in ("body", "legs"):
+        np.testing.assert_allclose(tree.poses[f"/skeleton/{part}"].rotation().matrix(), turn, atol=1e-12)
+        np.testing.assert_allclose(tree.poses[f"/skeleton/{part}"].translation()[:2], [0.5, -0.2], atol=1e-12)
+    assert tree.poses["/skeleton/body"].translation()[2] == pytest.approx(1.4)
+    assert tree.poses["/skeleton/legs"].translation()[2] == 0.0
+    assert tree.properties["/skeleton/legs", "visible"]
+    reach = tree.properties["/skeleton/legs/shape", "scale"][2] * person_shape.LEG
+    assert reach == pytest.approx(1.4 - person_shape.SHOULDER_ABOVE_HIP), "legs end elsewhere than at the hips"
+    # A recording whose floor is not at z = 0 has no legs rather than stilts.
+    ghost.draw(POSE + [0.0, 0.0, 2.0], np.ones(5))
+    assert not tree.properties["/skeleton/legs", "visible"]
+
+
 def test_an_unseen_point_leaves_the_last_skeleton():
     tree = Tree()
     ghost = SkeletonGhost(tree)
@@ -108,10 +128,12 @@ def test_is_hidden_and_shown_as_a_whole():
     assert all(path.startswith("/person/") and "//" not in path for path in tree.objects)
 
 
-def simulated(margin, **drawer):
+def simulated(margin, bands=None, **drawer):
     tree, builder = Tree(), DiagramBuilder()
     points = builder.AddSystem(ConstantVectorSource(POSE.ravel()))
     port = None if margin is None else builder.AddSystem(ConstantVectorSource(margin)).get_output_port()
+    if bands is not None:
+        drawer["bands_port"] = builder.AddSystem(ConstantVectorSource(bands)).get_output_port()
     SkeletonDrawer.AddToBuilder(builder, points.get_output_port(), SkeletonGhost(tree), margin_port=port, **drawer)
     simulator = Simulator(builder.Build())
     simulator.Initialize()
@@ -124,6 +146,17 @@ def test_the_system_draws_at_its_period_what_its_ports_say():
     tree = simulated([0.5, 0.1, -0.1, 0.5, 0.5], publish_period=0.25)
     assert [time for time in sorted(set(tree.times)) if time > 0] == [0.25, 0.5, 0.75, 1.0]
     assert [visible(tree, link.name) for link in LINKS] == [[INSIDE], [NEAR], [OUTSIDE], [INSIDE], [INSIDE]]
+
+
+def test_the_hands_band_is_drawn_where_bands_are_connected():
+    bands = np.zeros((6, 5))
+    bands[:2, HANDS] = 0.28, 0.36
+    tree = simulated(None, bands.ravel())
+    assert tree.properties["/skeleton/band", "visible"]
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        assert tree.poses[f"/skeleton/band/{side}"].translation()[2] == pytest.approx(sign * 0.16)
+        assert tree.properties[f"/skeleton/band/{side}/sleeve", "scale"][2] == pytest.approx(0.04)
+    assert not simulated(None).properties["/skeleton/band", "visible"]
 
 
 def test_without_margins_all_links_count_as_inside():
