@@ -6,5 +6,5 @@ that the joints allow. clearance: the least distance between what must not touch
 kinematics, swivel: palm poses, Jacobians, the swivel angle. retargeting, reach: from the person to palms, and where and
 how large the motion fits the arms. redundancy: what fills the null space. differential_ik, tracking, posture: from
 palms to joints; braking, nearest_velocity, pair_clearance, tempo: within the joints' limits, apart, and in
-time. description: the whole scene as one URDF.
+time. description: the whole scene as one URDF. box_look, meshes: what box and arms look like.
 """

@@ -111,7 +111,7 @@ def test_each_mesh_fills_the_room_of_the_primitives_it_replaces(real):
             local = shape_corners(primitives.GetShape(part)).reshape(-1, 3)
             corners.append((primitives.GetPoseInFrame(part) @ local.T).T)
         corners = np.concatenate(corners)
-        # How far the mesh ends beyond the primitives. These have round ends, which reach up to 30 mm into the next link.
+        # How far the mesh ends beyond the primitives; their round ends reach up to 30 mm into the next link.
         beyond = np.concatenate([corners.min(axis=0) - points.min(axis=0), points.max(axis=0) - corners.max(axis=0)])
         assert np.all((beyond > -0.03) & (beyond < 0.012)), f"{link}: {beyond}"
 

@@ -21,7 +21,10 @@ console.error = (...what) => report(what.join(" "));
 
 
 def open_at(page, time, directory, *, script="", size=(640, 480)):
-    """Opens a copy of `page` at `time` (s) of its recording in a window of `size`; returns pixels (H, W, 3) and the errors it reported."""
+    """Opens a copy of `page` at `time` (s) of its recording in a window of `size`.
+
+    Returns: pixels (H, W, 3) and the errors it reported.
+    """
     seek = f"viewer.animator.pause(); viewer.animator.seek({time}); viewer.set_dirty(); {script}"
     text = page.read_text(encoding="utf-8").replace("<head>", "<head>" + _REPORTER, 1)
     before, end, after = text.rpartition("</body>")

@@ -7,7 +7,7 @@ from drake_blfdmp.viewing import person_shape
 def corners(surface):
     vertices, faces = surface
     assert vertices.shape[0] == faces.shape[0] == 3
-    assert 0 <= faces.min() and faces.max() < vertices.shape[1]
+    assert faces.min() >= 0 and faces.max() < vertices.shape[1]
     return vertices.T[faces.T]
 
 

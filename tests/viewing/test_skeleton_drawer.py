@@ -106,7 +106,7 @@ def test_the_person_stands_below_the_shoulders_turned_as_they_are_with_feet_on_t
     reach = tree.properties["/skeleton/legs/shape", "scale"][2] * person_shape.LEG
     assert reach == pytest.approx(1.4 - person_shape.SHOULDER_ABOVE_HIP), "legs end elsewhere than at the hips"
     # A recording whose floor is not at z = 0 has no legs rather than stilts.
-    ghost.draw(POSE + [0.0, 0.0, 2.0], np.ones(5))
+    ghost.draw(POSE + np.array([0.0, 0.0, 2.0]), np.ones(5))
     assert not tree.properties["/skeleton/legs", "visible"]
 
 
