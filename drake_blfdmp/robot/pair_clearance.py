@@ -15,11 +15,10 @@ MOST_PAIRS = 8
 """Of the pairs only the nearest count: their Jacobians are what costs time."""
 
 REFRESH = 0.01
-"""How far a joint may move, rad, until distances are looked up anew and not carried on by their gradients. A pair is then
-off by less than CARRIED."""
+"""How far a joint may move, rad, until distances are looked up anew and not carried on by their gradients."""
 
 CARRIED = 6e-4
-"""m, which the clearance is widened by to pay for that (measured in the tests on random postures)."""
+"""By how much, m, the clearance is widened to pay for that: how far it errs (measured in the tests)."""
 
 NEAR_SIZE = 2 * JOINTS_PER_ARM + MOST_PAIRS * (1 + 2 * JOINTS_PER_ARM)
 """Numbers in a record of `PairClearance.near`."""

@@ -37,9 +37,9 @@ class SwivelDifferentialIk(LeafSystem):
         - commanded_palms
 
     Discrete state: q (14), v (14), task_scale (2), swivel (2), task_deviation (2), tempo (1), clearance (1),
-    commanded_palms (6) and, with `clearance`, a record of the near pairs of links. The inputs are those of Retargeting. No output is direct-feedthrough. Joint positions,
-    velocities and accelerations stay within their limits whatever the inputs are; what that costs the palms is an
-    output:
+    commanded_palms (6) and, with `clearance`, a record of the near pairs of links. The inputs are those of
+    Retargeting. No output is direct-feedthrough. Joint positions, velocities and accelerations stay within their
+    limits whatever the inputs are; what that costs the palms is an output:
 
     `task_scale` (2) is the share of each palm's commanded twist that the limits let through, `task_deviation` (2) the
     speed, m/s, of what it does beside that share (`robot.tracking.Tracked`). `tempo` (1), in [tempo_floor, 1], is how

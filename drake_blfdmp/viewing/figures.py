@@ -18,6 +18,7 @@ FIGURES: Mapping[str, Callable[[RunLog], Figure]] = {
     "contact_forces": robot_figures.contact_forces,
     "box_height_tilt": robot_figures.box_height_tilt,
     "swivel": robot_figures.swivel,
+    "feedback": robot_figures.feedback,
 }
 """File name without its ending -> the function that makes the figure."""
 
@@ -28,6 +29,10 @@ SPREAD = "spread"
 """The figure, and its file's name, of a skill that was learned from several recordings."""
 
 _SAMPLED = {  # Shape of one sample of each signal the figures show.
+    "tempo": (),
+    "hands": (),
+    "palm": (2, 7),
+    "palm_desired": (2, 7),
     "position": (6, 3),
     "uncoupled": (6, 3),
     "demonstrated": (6, 3),

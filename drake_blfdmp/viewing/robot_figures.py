@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.skeleton import HANDS
 from drake_blfdmp.viewing import style
 
 _ARMS = ("left arm", "right arm")
@@ -110,4 +111,33 @@ def swivel(log: RunLog) -> Figure:
     style.mark_events(axes, log.events, (log.t[0], log.t[-1]))
     style.legend_above(figure, axes[0], columns=2)
     figure.align_ylabels(axes)
+    return figure
+
+
+@style.styled
+def feedback(log: RunLog) -> Figure:
+    """The palms' own distance in the hands' band, how far their middle is off its place, and the tempo that leaves."""
+    figure = Figure(figsize=(style.COLUMN, 3.9))
+    band, lag, tempo = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 2))
+    lower, upper = log.lower[:, HANDS], log.upper[:, HANDS]
+    middle, millimetres = (lower + upper) / 2, 1000.0
+    edges = [(edge - middle) * millimetres for edge in (lower, upper)]
+    band.fill_between(log.t, *edges, **style.BAND)
+    band.plot(log.t, (log.hands - middle) * millimetres, color=style.BLUE, linewidth=1.2, label="palms, effective")
+    planned = np.linalg.norm(log.position[:, 5] - log.position[:, 2], axis=-1)
+    band.plot(log.t, (planned - middle) * millimetres, **style.PLANNED, label="skill")
+    # The palms follow the skill only once they have joined in; the band decides what is shown.
+    band.set_ylim(-1.6 * edges[1].min(), 1.6 * edges[1].min())
+    band.set_ylabel("hands, off the\nmiddle (mm)")
+    off = np.linalg.norm((log.palm - log.palm_desired)[..., 4:].mean(axis=1), axis=-1) * millimetres
+    lag.plot(log.t, off, color=style.BLUE, linewidth=1.2)
+    lag.set_ylim(0.0, max(5.0, 1.1 * style.finite_range(off, pad=0.0)[1]))
+    lag.set_ylabel("palms' middle\noff (mm)")
+    tempo.plot(log.t, log.tempo, color=style.BLUE, linewidth=1.2)
+    tempo.set_ylim(0.0, 1.05)
+    tempo.set_ylabel("tempo")
+    style.finish_time_axis(tempo, log.t)
+    style.mark_events((band, lag, tempo), log.events, (log.t[0], log.t[-1]))
+    style.legend_above(figure, band, columns=3)
+    figure.align_ylabels([band, lag, tempo])
     return figure

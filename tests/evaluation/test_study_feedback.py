@@ -41,7 +41,7 @@ def run(offset=0.0, force=55.0, tempo=1.0, success=True, dropped=False):
 
 def outside(*spans):
     """12 mm off in the spans of time, 1 mm otherwise."""
-    return np.where(np.any([(T >= a - 1e-9) & (T <= b + 1e-9) for a, b in spans], axis=0), 0.012, 0.001)
+    return np.where(np.any([np.abs(T - 0.5 * (a + b)) <= 0.5 * (b - a) + 1e-9 for a, b in spans], axis=0), 0.012, 0.001)
 
 
 def test_a_row_counts_what_is_outside_while_the_box_is_held():

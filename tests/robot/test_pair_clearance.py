@@ -77,7 +77,7 @@ def test_a_record_is_kept_while_no_joint_has_moved_far_and_made_anew_then():
 
 
 def test_distances_carried_on_are_off_by_no_more_than_the_clearance_is_widened():
-    """The least distance, over random moves of all joints by up to REFRESH. Drake's own digits (see above) are left out."""
+    """The least one, over random moves of all joints by up to REFRESH; Drake's own digits (see above) left out."""
     rng, worst = np.random.default_rng(5), []
     for q in near_postures(4):
         record = PAIRS.near(q)
