@@ -31,7 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
         return run.main(arguments, ROOT, (__doc__ or "").split("\n\n")[0])
     except BlfDmpError as error:
         print(f"run.py: {error}", file=sys.stderr)
-        return 2
+        return error.exit_status
     except KeyboardInterrupt:
         print("run.py: interrupted", file=sys.stderr)
         return 130

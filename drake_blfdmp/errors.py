@@ -2,7 +2,9 @@
 
 
 class BlfDmpError(Exception):
-    """Base of everything that bad input can raise; `run.py` prints it as one line and exits with status 2."""
+    """Base of everything that bad input can raise; `run.py` prints it as one line and exits with `exit_status`."""
+
+    exit_status = 2
 
 
 class RecordingError(BlfDmpError):
@@ -19,3 +21,25 @@ class ScenarioError(BlfDmpError):
 
 class TaskError(BlfDmpError):
     """The task cannot be carried out by the arms: reach, force or clearance."""
+
+
+class SimulationError(BlfDmpError):
+    """A simulation that had begun cannot go on: a run without success, not bad input."""
+
+    exit_status = 1
+
+
+class NonFiniteError(SimulationError):
+    """A number in a simulation is not finite.
+
+    Attributes:
+        system, port: where it stood first, in the direction of the data; names, `a::b` for b inside a.
+        time: s, of the last state that was finite.
+        states: that state: system -> its continuous and discrete state vectors, as lists.
+    """
+
+    def __init__(
+        self, message: str, *, system: str = "", port: str = "", time: float = 0.0, states: dict | None = None
+    ):
+        super().__init__(message)
+        self.system, self.port, self.time, self.states = system, port, time, states or {}

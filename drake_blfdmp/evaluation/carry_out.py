@@ -13,6 +13,7 @@ from pydrake.systems.primitives import AffineSystem
 
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.evaluation.last_states import LastStatesKept
 from drake_blfdmp.evaluation.run_logger import PlannedEvents
 from drake_blfdmp.evaluation.simulation import Simulate
 from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
@@ -97,6 +98,7 @@ def CarryOut(
         progress: called with what is being done and the share of it done.
 
     Raises:
+        SimulationError: the simulation had to stop, at a number that is not finite, say; run.mcap goes up to then.
         BlfDmpError: one line that says what, where and what to do. Files already written stay.
     """
     if folder is not None:
@@ -114,7 +116,8 @@ def CarryOut(
             AddViewer(builder, parts, viewer)
             viewer.StartRecording(frames_per_second=SceneRate(plan), set_visualizations_while_recording=True)
 
-        done = Simulate(plan, add, progress)
+        with LastStatesKept(recorders, {"scenario.yaml": DumpScenario(scenario)}):
+            done = Simulate(plan, add, progress)
         viewer.StopRecording()
         source = "synthetic" if plan.source.recording.synthetic else "recorded"
         title = f"{scenario.name}: law {scenario.law}, {source} person"

@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_blfdmp.diagrams.finite_guard import FiniteGuard
 from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, HoldAndPlace, SetInitialState, SkillClock
 from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog
 from drake_blfdmp.evaluation.summary import MakeSummary
@@ -52,6 +53,7 @@ def Simulate(
 
     Raises:
         ScenarioError: the gains are not safe at the scenario's time step.
+        SimulationError: the simulation cannot go on; a NonFiniteError where a number is not finite.
     """
     builder = DiagramBuilder()
     parts = AddHoldAndPlace(builder, plan)
@@ -61,11 +63,12 @@ def Simulate(
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()
     SetInitialState(parts, diagram, context)
+    guard = FiniteGuard(simulator)
     end = plan.duration_s
     started = time.perf_counter()
     simulator.Initialize()
     for t in (*np.arange(SLICE_S, end, SLICE_S), end, *np.arange(end + SLICE_S, LONGEST * end, SLICE_S)):
-        simulator.AdvanceTo(float(t))
+        guard.AdvanceTo(float(t))
         clock = SkillClock(parts, context)
         progress("simulating", min(clock / end, 1.0))
         if t >= end and clock >= end - 1e-6:

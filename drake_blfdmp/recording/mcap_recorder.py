@@ -70,6 +70,8 @@ class McapRecorder(LeafSystem):
     Viewers move the robot by ANY JointState whose names are its joints', so an element named as a joint is
     written as `<vector>.<element>`. The unit stands in the channel's metadata.
 
+    A sample whose joint states are not finite is left out as a whole: viewers cannot place a robot at NaN.
+
     Once Close() has been called nothing more is recorded, and the simulation may go on. A recorder records one run: a
     sample earlier than the last one raises RecorderError.
 
@@ -191,6 +193,11 @@ class McapRecorder(LeafSystem):
         if names.bodies or names.static_bodies:
             builder.Connect(plant.get_body_poses_output_port(), recorder.GetInputPort("body_poses"))
         return recorder
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._file.path
 
     def AddVectorInput(self, name: str, size: int, elements: Sequence[str], unit: str) -> InputPort:
         """Declares an input port called `name` and records it on the topic `/<name>`; returns the port.
@@ -320,6 +327,8 @@ class McapRecorder(LeafSystem):
         self._last_ns = t_ns
         if self._joint_states is not None and self._state_inputs:
             states: list[Any] = [port.Eval(context) for port in self._state_inputs.values()]
+            if not all(np.isfinite(state).all() for state in states):
+                return
             values = [state[: len(state) // 2] for state in states] + [state[len(state) // 2 :] for state in states]
             if self._effort:
                 values += [port.Eval(context) for port in self._effort_inputs.values()]
