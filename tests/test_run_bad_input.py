@@ -148,6 +148,7 @@ def test_help_names_every_option(tmp_path):
         "--unit",
         "--out",
         "--seed",
+        "--diagram",
         "--meshcat",
     ):
         assert option in done.stdout

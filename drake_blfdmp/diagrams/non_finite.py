@@ -66,13 +66,14 @@ def by_data_flow(diagram: Diagram) -> list[System]:
     sources: dict[System, list[System]] = {system: [] for system in diagram.GetSystems()}
     for (target, _), (source, _) in diagram.connection_map().items():
         sources[target].append(source)
+    numbers = {system: i for i, system in enumerate(sources)}
     order: list[System] = []
     entered: set[System] = set()
 
     def visit(system: System) -> None:
         if system not in entered:
             entered.add(system)
-            for source in sources[system]:
+            for source in sorted(sources[system], key=numbers.__getitem__):
                 visit(source)
             order.append(system)
 

@@ -158,6 +158,7 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
             **{f"event_{name}": t for name, t in PlannedEvents(plan)},
         },
     )
+    recorder.set_name("recorder")
     points = [f"{point}_{axis}" for point in POINTS for axis in "xyz"]
     links = [link.name for link in LINKS]
     bands = [
@@ -202,7 +203,7 @@ def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) ->
         ),
     )
     builder.Connect(parts.skill.transformation.GetOutputPort("position"), ghost.get_input_port())
-    SkeletonDrawer.AddToBuilder(
+    drawer = SkeletonDrawer.AddToBuilder(
         builder,
         ghost.get_output_port(),
         SkeletonGhost(meshcat),
@@ -210,3 +211,4 @@ def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) ->
         bands_port=parts.skill.bands.GetOutputPort("bands"),
         publish_period=period,
     )
+    drawer.set_name("skeleton")

@@ -12,7 +12,7 @@ LAST_STATES = "last_states.json"
 
 @contextmanager
 def LastStatesKept(recorders: Sequence[McapRecorder], attachments: Mapping[str, str]) -> Iterator[None]:
-    """Complete the recordings where the simulation inside stops by a SimulationError, and name them in the error's line.
+    """Complete the recordings where the simulation inside stops by a SimulationError, and name them in its line.
 
     A recording then also holds the attachments, and where a number was not finite an event `non_finite` with system
     and port, and the attachment `last_states.json`: the time and every system's last finite state. It is closed.
