@@ -70,9 +70,10 @@ class Skill:
             if mobility.shape != (6,) or not np.all(np.isfinite(mobility) & (mobility > 0)):
                 raise SkillError("skill: mobility must be 6 positive numbers, one for each point")
 
-    def forcing(self, s):
-        """f(s) of all points: (..., 18) for a phase of shape (...)."""
-        return forcing(s, self.weights.reshape(len(self.centers), 18), self.centers, self.widths)
+    def forcing(self, s, weights=None):
+        """f(s) of all points: (..., 18) for a phase of shape (...), with other weights (n, 18) where they are given."""
+        weights = self.weights.reshape(len(self.centers), 18) if weights is None else weights
+        return forcing(s, weights, self.centers, self.widths)
 
     def spread_at(self, t) -> np.ndarray | None:
         """The spread (..., 6, 3), m, at times t (...), s, on the skill's clock, held after its end; or None."""

@@ -1,7 +1,7 @@
 """The forcing term f(s) = theta^T Psi(s) as a Drake system."""
 
 import numpy as np
-from pydrake.systems.framework import LeafSystem_
+from pydrake.systems.framework import BasicVector_, LeafSystem_
 from pydrake.systems.scalar_conversion import TemplateSystem
 
 from drake_blfdmp.skill.canonical import phase_at
@@ -25,7 +25,8 @@ def ForcingTerm_(T):
             - forcing
 
         No state. `forcing` (18) is ordered point by point as in `skeleton.POINTS`, x y z each. `tempo` (1) as for
-        TransformationSystem: how far the phase comes in the coming step.
+        TransformationSystem: how far the phase comes in the coming step. Numeric parameter 0 is the weights (n, 18), row
+        by row, the skill's by default: a context can carry others, and derivatives with respect to them.
         Template parameters: float, AutoDiffXd, Expression.
         """
 
@@ -43,7 +44,14 @@ def ForcingTerm_(T):
             self._half_step = 0.5 * time_step
             self._phase = self.DeclareVectorInputPort("phase", 1)
             self._tempo = self.DeclareVectorInputPort("tempo", 1)
-            self._forcing = self.DeclareVectorOutputPort("forcing", 18, self._calc_forcing)
+            weights = [T(value) for value in skill.weights.reshape(-1)]
+            self._weights = self.DeclareNumericParameter(BasicVector_[T](weights))
+            self._forcing = self.DeclareVectorOutputPort(
+                "forcing",
+                18,
+                self._calc_forcing,
+                {self._phase.ticket(), self._tempo.ticket(), self.all_parameters_ticket()},
+            )
 
         def _construct_copy(self, other, converter=None):
             Impl._construct(self, **other._parameters, converter=converter)
@@ -51,7 +59,8 @@ def ForcingTerm_(T):
         def _calc_forcing(self, context, output):
             tempo = self._tempo.Eval(context)[0] if self._tempo.HasValue(context) else 1.0
             s = self._phase.Eval(context)[0] * phase_at(self._half_step * tempo, self._skill.tau, self._skill.gamma)
-            output.SetFromVector(self._skill.forcing(np.asarray(s)))
+            weights = context.get_numeric_parameter(self._weights).CopyToVector().reshape(-1, 18)
+            output.SetFromVector(self._skill.forcing(np.asarray(s), weights))
 
     return Impl
 

@@ -39,8 +39,8 @@ class Growing(LeafSystem):
 class BreakingSkill(Skill):
     """A skill whose forcing is not a number from 0.1 s on."""
 
-    def forcing(self, s):
-        f = super().forcing(s)
+    def forcing(self, s, weights=None):
+        f = super().forcing(s, weights)
         if np.asarray(s).dtype == object:  # Drake tries the symbolic form.
             return f
         return np.where(np.asarray(s) > phase_at(0.1, self.tau, self.gamma) + 1e-9, f, np.nan)

@@ -5,6 +5,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace, SetInitialState
+from drake_blfdmp.diagrams.non_finite import state_of
 from drake_blfdmp.robot.reach import rigid
 
 # Output -> input, by names of systems and ports; the skill's own wiring is tested in test_skill.py.
@@ -139,3 +140,32 @@ def test_a_copied_context_goes_on_as_the_original_does(started):
         Simulator(diagram, each).AdvanceTo(0.1)
     states = [parts.plant.GetPositionsAndVelocities(parts.plant.GetMyContextFromRoot(each)) for each in (context, twin)]
     np.testing.assert_array_equal(*states)
+
+
+def test_a_run_saved_in_motion_and_restored_has_the_same_future(started):
+    """All state is in the context: none of it hides in a system, so its clone goes on bit by bit."""
+    diagram, parts, context = started
+    saved_at = parts.plan.settle_s + 0.3  # The arms move.
+    simulator = Simulator(diagram, context)
+    simulator.AdvanceTo(saved_at)
+    saved = context.Clone()
+    simulator.AdvanceTo(saved_at + 0.1)
+    again = Simulator(diagram, saved)
+    again.AdvanceTo(saved_at + 0.1)
+    first, second = (state_of(each.get_context()) for each in (simulator, again))
+    np.testing.assert_array_equal(first, second)
+    fresh = diagram.CreateDefaultContext()
+    SetInitialState(parts, diagram, fresh)
+    assert np.abs(state_of(fresh)[np.isfinite(first)] - first[np.isfinite(first)]).max() > 0.01
+
+
+def test_a_tempo_of_zero_in_one_context_stops_the_phase_there_and_nowhere_else(started):
+    diagram, parts, context = started
+    canonical = parts.skill.canonical
+    twin = context.Clone()
+    canonical.GetInputPort("tempo").FixValue(canonical.GetMyMutableContextFromRoot(context), 0.0)
+    phases = []
+    for each in (context, twin):
+        Simulator(diagram, each).AdvanceTo(0.02)
+        phases.append(canonical.GetOutputPort("phase").Eval(canonical.GetMyContextFromRoot(each))[0])
+    assert phases[0] == 1.0 > phases[1]

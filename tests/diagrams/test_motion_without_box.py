@@ -8,6 +8,7 @@ from pydrake.systems.analysis import Simulator
 from waving import recorded, wave
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace, SetInitialState
+from drake_blfdmp.diagrams.non_finite import state_of
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.scenario import RetargetConfig, Scenario, TaskConfig
 from drake_blfdmp.planning.scenario_sections import FeedbackConfig
@@ -63,3 +64,15 @@ def test_the_bands_move_with_the_hands_in_the_diagram(made):
     Simulator(diagram, context).AdvanceTo(2.0)
     bands = parts.skill.bands.GetOutputPort("bands").Eval(parts.skill.bands.GetMyContextFromRoot(context))
     np.testing.assert_allclose(bands.reshape(6, 5), parts.plan.task.bands.evaluate(np.array(2.0)), atol=1e-6)
+
+
+def test_a_run_saved_in_motion_and_restored_has_the_same_future(made):
+    diagram, parts = made
+    simulator = Simulator(diagram)
+    SetInitialState(parts, diagram, simulator.get_mutable_context())
+    saved_at = parts.plan.settle_s + 0.3
+    simulator.AdvanceTo(saved_at)
+    again = Simulator(diagram, simulator.get_context().Clone())
+    for each in (simulator, again):
+        each.AdvanceTo(saved_at + 0.1)
+    np.testing.assert_array_equal(state_of(simulator.get_context()), state_of(again.get_context()))

@@ -170,36 +170,45 @@ def test_the_diagram_converts_to_other_scalar_types(time_step):
         )
 
 
-@pytest.mark.parametrize("what", ["start", "goal"])
+@pytest.mark.parametrize("what", ["start", "goal", "weights"])
 def test_the_gradient_of_the_endpoint_is_that_of_finite_differences(what):
-    """Ten coarse coupled steps, differentiated with respect to three coordinates."""
-    dt, steps, chosen, h = 0.005, 10, [1, 6, 17], 1e-5
+    """Ten coarse coupled steps, differentiated by three coordinates, or by weights of early functions."""
+    dt, steps, h = 0.005, 10, 1e-5 if what != "weights" else 1.0
+    # Three coordinates of the first function's 18, the second's and the fourth's.
+    chosen = [1, 6, 17] if what != "weights" else [2, 18 + 7, 3 * 18 + 15]
     diagram = built(time_step=dt)[0].ToAutoDiffXd()
     context = diagram.CreateDefaultContext()
-    transformation, goal = diagram.GetSubsystemByName("transformation"), diagram.GetSubsystemByName("goal")
-    plain = getattr(SKILL, what).reshape(18)
-    values = np.array(
-        [AutoDiffXd(v, np.eye(3)[chosen.index(i)] if i in chosen else np.zeros(3)) for i, v in enumerate(plain)]
-    )
+    plain = getattr(SKILL, what).ravel()
+    values = np.array([AutoDiffXd(v, np.zeros(3)) for v in plain])
+    for k, i in enumerate(chosen):
+        values[i] = AutoDiffXd(plain[i], np.eye(3)[k])
+    system = {"start": "transformation", "goal": "goal", "weights": "forcing"}[what]
+    part = diagram.GetSubsystemByName(system)
+    mine = part.GetMyMutableContextFromRoot(context)
     if what == "start":
-        transformation.GetMyMutableContextFromRoot(context).SetDiscreteState(0, values)
+        mine.SetDiscreteState(0, values)
+    elif what == "goal":
+        part.get_mutable_source_value(mine).SetFromVector(values)
     else:
-        goal.get_mutable_source_value(goal.GetMyMutableContextFromRoot(context)).SetFromVector(values)
+        mine.get_mutable_numeric_parameter(0).SetFromVector(values)
     for _ in range(steps):
         after = diagram.EvalUniquePeriodicDiscreteUpdate(context)
         for group in range(after.num_groups()):
             context.SetDiscreteState(group, after.value(group))
-    mine = transformation.GetMyContextFromRoot(context)
-    end = transformation.GetOutputPort("position").Eval(mine)
-    gradient = np.array([[x.derivatives()[i] for i in range(3)] for x in end])
+    transformation = diagram.GetSubsystemByName("transformation")
+    end = transformation.GetOutputPort("position").Eval(transformation.GetMyContextFromRoot(context))
+    gradient = np.array([x.derivatives() for x in end])
 
     def finish(change):
-        points = (plain + change).reshape(6, 3)
-        return roll_out(SKILL, time_step=dt, duration=dt * steps, bands=BANDS, **{what: points}).x[-1].reshape(18)
+        changed = (plain + change).reshape(getattr(SKILL, what).shape)
+        skill, options = (replace(SKILL, weights=changed), {}) if what == "weights" else (SKILL, {what: changed})
+        return roll_out(skill, time_step=dt, duration=dt * steps, bands=BANDS, **options).x[-1].reshape(18)
 
-    numeric = np.stack([(finish(h * np.eye(18)[i]) - finish(-h * np.eye(18)[i])) / (2 * h) for i in chosen], axis=1)
-    assert np.abs(numeric).max() > (0.5 if what == "start" else 0.005)
-    np.testing.assert_allclose(gradient, numeric, atol=1e-6 * max(1.0, np.abs(numeric).max()))
+    unit = h * np.eye(len(plain))
+    numeric = np.stack([(finish(unit[i]) - finish(-unit[i])) / (2 * h) for i in chosen], axis=1)
+    largest = np.abs(numeric).max()
+    assert largest > {"start": 0.5, "goal": 0.005, "weights": 1e-6}[what]
+    np.testing.assert_allclose(gradient, numeric, atol=1e-6 * (largest if what == "weights" else max(1.0, largest)))
 
 
 def test_an_unknown_law_and_unsafe_gains_are_refused():
