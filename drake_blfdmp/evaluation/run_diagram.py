@@ -14,7 +14,17 @@ from drake_blfdmp.viewing.meshcat_scene import start_meshcat
 LISTENERS = "recording and viewing"
 GROUPS = {
     "skill": ("canonical", "forcing", "goal", "transformation", "bands", "coupler", "reshaper", "point_coupler"),
-    "robot": ("retargeting", "ik", "plant", "scene_graph", "palm_forces"),
+    "robot": (
+        "retargeting",
+        "ik",
+        "plant",
+        "scene_graph",
+        "palm_forces",
+        "push",
+        "hands_observer",
+        "phase_stopping",
+        "task_phase",
+    ),
     LISTENERS: ("recorder", "ghost", "skeleton", "meshcat_visualizer(visualizer)"),
 }
 """Frame in the graph -> names of the systems in it."""

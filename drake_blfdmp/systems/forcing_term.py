@@ -25,8 +25,8 @@ def ForcingTerm_(T):
             - forcing
 
         No state. `forcing` (18) is ordered point by point as in `skeleton.POINTS`, x y z each. `tempo` (1) as for
-        TransformationSystem: how far the phase comes in the coming step. Numeric parameter 0 is the weights (n, 18), row
-        by row, the skill's by default: a context can carry others, and derivatives with respect to them.
+        TransformationSystem: how far the phase comes in the coming step. Numeric parameter 0 is the weights (n, 18), by
+        row, the skill's by default: a context can carry others, and derivatives with respect to them.
         Template parameters: float, AutoDiffXd, Expression.
         """
 

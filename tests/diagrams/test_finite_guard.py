@@ -69,12 +69,12 @@ def test_a_forcing_that_breaks_is_named_though_all_others_break_with_it(law, tim
 def test_what_is_put_into_the_skill_is_named_and_not_who_passes_it_on(time_step):
     builder = DiagramBuilder()
     systems = AddSkill(builder, SKILL, BANDS, time_step=time_step)
-    source = builder.AddNamedSystem("camera", Breaking(2, value=0.35))
+    source = builder.AddNamedSystem("camera", Breaking(3, value=0.35))
     builder.Connect(source.get_output_port(), systems.coupler.GetInputPort("measured_distance"))
     check(stop(builder.Build()), "camera", "value", within=DT if time_step else 0.1)
 
 
-@pytest.mark.parametrize(("system", "port", "size"), [("canonical", "tempo", 1), ("coupler", "measured_distance", 2)])
+@pytest.mark.parametrize(("system", "port", "size"), [("canonical", "tempo", 1), ("coupler", "measured_distance", 3)])
 def test_a_fixed_input_is_named(system, port, size):
     builder = DiagramBuilder()
     systems = AddSkill(builder, SKILL, BANDS, time_step=DT)

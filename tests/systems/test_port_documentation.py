@@ -6,6 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydrake.common.value import AbstractValue
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import LeafSystem
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace
@@ -13,6 +16,7 @@ from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.systems.point_coupler import PointCoupler
+from drake_blfdmp.systems.timed_push import TimedPush
 from drake_blfdmp.viewing.meshcat_scene import start_meshcat
 from drake_blfdmp.viewing.skeleton_drawer import SkeletonDrawer, SkeletonGhost
 
@@ -81,6 +85,8 @@ def systems(default_plan, tmp_path_factory):
     recorder.AddWrenchInput("wrench", "world")
     recorder.Close()
     found["McapRecorder"] = recorder
+    push = {"force": [1.0, 0.0, 0.0], "start_s": 0.0, "duration_s": 1.0}
+    found["TimedPush"] = TimedPush(body=parts.box, **push)
     found["keep"] = (diagram, parts)
     return found
 
@@ -136,10 +142,9 @@ def give(port, context):
         )
     elif size:
         value = np.full(size, 0.5)
+    elif name == "body_poses":
+        value = AbstractValue.Make([RigidTransform([0.01 * k, 0.0, 0.0]) for k in range(60)])
     else:
-        from pydrake.common.value import AbstractValue
-        from pydrake.multibody.plant import ContactResults
-
         value = AbstractValue.Make(ContactResults())
     port.FixValue(context, np.ravel(value) if size else value)
 
