@@ -26,6 +26,7 @@ from drake_blfdmp.robot.plant import (
 )
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skill.canonical import time_at
+from drake_blfdmp.systems.carry_phase import CarryPhase
 from drake_blfdmp.systems.palm_forces import PalmForces
 from drake_blfdmp.systems.retargeting import Retargeting
 from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
@@ -47,6 +48,7 @@ class HoldAndPlace:
         limits: of the joints.
         tempo: of the skill's clock; None where nothing slows it.
         observer: of the palms' real distance, fed back or not.
+        carry_phase: the phase of the carry as measured; None without a box.
     """
 
     plan: Plan
@@ -61,6 +63,7 @@ class HoldAndPlace:
     limits: JointLimits
     tempo: OutputPort | None
     observer: System
+    carry_phase: System | None
 
 
 def AddPlannedPlant(
@@ -127,7 +130,10 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     forces = None if box is None else _add_palm_forces(builder, plant, arms, box)
     tempo = AddTempo(builder, plan, plant, arms, skill, retargeting, ik)
     observer = AddHandsObserver(builder, plan, plant, arms, skill, forces, tempo)
-    return HoldAndPlace(plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits, tempo, observer)
+    phase = None if box is None or forces is None else _add_carry_phase(builder, plan, plant, box, forces)
+    return HoldAndPlace(
+        plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits, tempo, observer, phase
+    )
 
 
 def _add_palm_forces(
@@ -136,6 +142,16 @@ def _add_palm_forces(
     forces = builder.AddNamedSystem("palm_forces", PalmForces(palms=palm_bodies(plant, arms), box=box))
     builder.Connect(plant.get_contact_results_output_port(), forces.GetInputPort("contact_results"))
     return forces
+
+
+def _add_carry_phase(
+    builder: DiagramBuilder, plan: Plan, plant: MultibodyPlant, box: RigidBody, forces: System
+) -> System:
+    height = plan.real_box.height if plan.real_box is not None else 0.0
+    phase = builder.AddNamedSystem("carry_phase", CarryPhase(tables=plan.tables, box_height=height))
+    builder.Connect(forces.get_output_port(), phase.GetInputPort("palm_force"))
+    builder.Connect(plant.get_state_output_port(box.model_instance()), phase.GetInputPort("box_state"))
+    return phase
 
 
 def _add_push(builder: DiagramBuilder, plan: Plan, plant: MultibodyPlant, arms: tuple[ModelInstanceIndex, ...]) -> None:

@@ -19,8 +19,10 @@ from drake_blfdmp.evaluation.simulation import Simulate
 from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
 from drake_blfdmp.planning.plan import MakePlan, Plan
 from drake_blfdmp.planning.scenario import DumpScenario, Scenario
+from drake_blfdmp.recording.event_recorder import EventRecorder
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.robot.carry_phases import PHASES
 from drake_blfdmp.robot.description import MakeSceneDescription
 from drake_blfdmp.skeleton import LINKS, POINTS
 from drake_blfdmp.viewing.figures import write_figures
@@ -125,7 +127,7 @@ def CarryOut(
         write_scene_html(viewer, folder / "scene.html", title=title, legend=legend)
         log, recorder = done.log, recorders[0]
         summary = MakeSummary(plan, log, done.margins, done.simulated_s, done.wall_s)
-        for name, t in log.events:
+        for name, t in () if log.recognised else log.events:  # What was recognised is there already.
             recorder.Event(name, t)
         recorder.AddAttachment("scenario.yaml", DumpScenario(scenario), "application/yaml")
         recorder.AddAttachment("skill.json", (folder / "skill.json").read_bytes(), "application/json")
@@ -156,6 +158,7 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
             "law": scenario.law,
             **{f"version_{name}": value for name, value in versions().items()},
             **{f"event_{name}": t for name, t in PlannedEvents(plan)},
+            **({} if plan.box is None else {f"carry_phase_{number}": name for number, name in enumerate(PHASES)}),
         },
     )
     recorder.set_name("recorder")
@@ -179,6 +182,11 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
         signals.append(("tempo", parts.tempo, ["tempo"], "1"))
     if parts.palm_forces is not None:
         signals.append(("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"))
+    if parts.carry_phase is not None:
+        phase = parts.carry_phase.get_output_port()
+        signals.append(("carry_phase", phase, ["phase"], "1"))
+        events = EventRecorder(recorder=recorder, names=PHASES, rate=scenario.simulation.record_rate_hz)
+        builder.Connect(phase, builder.AddNamedSystem("events", events).get_input_port())
     for name, port, elements, unit in signals:
         builder.Connect(port, recorder.AddVectorInput(name, len(elements), elements, unit))
     return recorder

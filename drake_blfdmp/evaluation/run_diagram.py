@@ -23,9 +23,9 @@ GROUPS = {
         "push",
         "hands_observer",
         "phase_stopping",
-        "task_phase",
+        "carry_phase",
     ),
-    LISTENERS: ("recorder", "ghost", "skeleton", "meshcat_visualizer(visualizer)"),
+    LISTENERS: ("recorder", "events", "ghost", "skeleton", "meshcat_visualizer(visualizer)"),
 }
 """Frame in the graph -> names of the systems in it."""
 

@@ -10,6 +10,7 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.robot.carry_phases import transitions
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
@@ -63,6 +64,8 @@ def AddRunLogger(builder: DiagramBuilder, parts: HoldAndPlace) -> RunLogger:
         ports["box_state"] = plant.get_state_output_port(parts.box.model_instance())
     if parts.palm_forces is not None:
         ports["palm_force"] = parts.palm_forces.get_output_port()
+    if parts.carry_phase is not None:
+        ports["carry_phase"] = parts.carry_phase.get_output_port()
     if parts.tempo is not None:
         ports["tempo"] = parts.tempo
     sinks = {name: LogVectorOutput(port, builder, period) for name, port in ports.items()}
@@ -119,6 +122,7 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
         clearance=_clearances(plan, q, box),
         events=tuple((name, float(np.interp(at, clock, t))) for name, at in PlannedEvents(plan)),
         spread=plan.task.skill.spread_at(clock),
+        recognised=transitions(t, logger.log("carry_phase", context)[:, 0]) if "carry_phase" in logger.sinks else (),
     )
 
 

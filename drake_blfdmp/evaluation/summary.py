@@ -132,6 +132,10 @@ def MakeSummary(plan: Plan, log: RunLog, margins: np.ndarray, simulated_s: float
             "box_width_m": None if plan.box is None else plan.box.width,
             "mobility": None if mobility is None else by_point(mobility),
         },
+        "events": {
+            "planned": {name: t for name, t in log.events},
+            "recognised": [[name, t] for name, t in log.recognised],
+        },
         "robot": robot_metrics(log, plan.settle_s),
         "feedback": feedback_metrics(log, plan.settle_s, plan.duration_s),
         "box": None

@@ -36,6 +36,7 @@ class RunLog:
         clearance: (N,) least distance between bodies that must not touch, m.
         events: (name, time in s): grasp, lift, lower, release and so on; start and end without a box.
         spread: (N, 6, 3) standard deviation over the recordings the skill was learned from, m; None of one recording.
+        recognised: (name, time in s): the phases of the carry as measured (`robot.carry_phases`); empty without a box.
     """
 
     t: np.ndarray
@@ -68,3 +69,4 @@ class RunLog:
     clearance: np.ndarray
     events: tuple[tuple[str, float], ...] = ()
     spread: np.ndarray | None = None
+    recognised: tuple[tuple[str, float], ...] = ()
