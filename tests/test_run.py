@@ -152,7 +152,7 @@ def test_the_recording_decodes_with_metadata_events_and_attachments(default_run,
 
 
 def test_what_is_measured_happens_when_the_plan_has_it(default_run, summary):
-    """The palms touch while they close and let go while they open; the box is in the air only while it is to be held."""
+    """The palms touch while they close and let go while they open; the box is in the air only while it is held."""
     planned, recognised = summary["events"]["planned"], dict(summary["events"]["recognised"])
     assert list(recognised) == ["contact", "lift", "carry", "lower", "release", "placed"]
     assert len(summary["events"]["recognised"]) == 6

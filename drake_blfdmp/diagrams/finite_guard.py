@@ -78,9 +78,11 @@ class FiniteGuard:
         if t - self._mark < _STUCK_S:
             # The next step must find what the integrator shrinks from.
             ahead = context.Clone()
-            rates = self._diagram.EvalTimeDerivatives(context).CopyToVector()
+            rates = np.asarray(self._diagram.EvalTimeDerivatives(context).CopyToVector())
             ahead.SetTime(t + _STUCK_S)
-            ahead.SetContinuousState(context.get_continuous_state_vector().CopyToVector() + _STUCK_S * rates)
+            ahead.SetContinuousState(
+                np.asarray(context.get_continuous_state_vector().CopyToVector()) + _STUCK_S * rates
+            )
             self._last = t + _STUCK_S, state_of(ahead)
             self._explain(context, None)
             raise SimulationError(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 from pydrake.systems.framework import Context, LeafSystem
 
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
@@ -28,7 +29,7 @@ class EventRecorder(LeafSystem):
         self.DeclarePeriodicPublishEvent(1.0 / rate, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
-        number = int(self._number.Eval(context)[0])
+        number = int(np.asarray(self._number.Eval(context))[0])
         if number != self._last:
             self._last = number
             self._recorder.Event(self._names[number], context.get_time())

@@ -54,7 +54,7 @@ class CarryPhase(LeafSystem):
         output.SetFromVector(context.get_discrete_state(0).value()[:1])
 
     def _update(self, context, discrete_state):
-        box = self._box.Eval(context)
+        box = np.asarray(self._box.Eval(context))
         state = next_state(
             context.get_discrete_state(0).value(),
             context.get_time(),

@@ -41,8 +41,9 @@ def diagram_dot(
     packages than `own` show only the ports that are connected; those of `own` also show, in grey, what is not.
 
     Args:
-        groups: frame around systems -> their names; the rest stands outside.
-        listeners: the group that only listens. What comes into it from outside is written at its port, not drawn.
+        groups: frame around systems -> their names, in the direction of the data; the rest stands outside. What goes
+            back to an earlier group is written at its port, not drawn.
+        listeners: the group that only listens. What comes into it from outside is written likewise.
     """
     systems = list(diagram.GetSystems())
     numbers = {system: i for i, system in enumerate(systems)}
@@ -59,10 +60,12 @@ def diagram_dot(
         ),  # Drake's order changes with addresses.
     )
     listening = set(groups.get(listeners, ()))
+    group_of = {name: k for k, names in enumerate(groups.values()) for name in names}
     heard = {
         (target, entry): f"{source.get_name()}.{source.get_output_port(output).get_name()}"
         for source, output, target, entry in wires
-        if target.get_name() in listening and source.get_name() not in listening
+        if (target.get_name() in listening and source.get_name() not in listening)
+        or group_of.get(source.get_name(), 0) > group_of.get(target.get_name(), 0)
     }
     left = {}
     for i, system in enumerate(systems):
