@@ -10,6 +10,7 @@ from drake_blfdmp.demonstration.depth_lookup import describe_depths, is_depth_lo
 from drake_blfdmp.demonstration.gaps import fill_and_resample, require_short_gaps, uniform_clock, whole_ends
 from drake_blfdmp.demonstration.holding import wobble
 from drake_blfdmp.demonstration.jumps import describe_jumps, find_jumps, speed_jumps
+from drake_blfdmp.demonstration.orientation_cleaning import clean_orientations
 from drake_blfdmp.demonstration.repeats import in_order, without_repeats
 from drake_blfdmp.demonstration.screening import (
     checked_arrays,
@@ -26,7 +27,8 @@ from drake_blfdmp.demonstration.swaps import describe_swaps, swap_back
 from drake_blfdmp.demonstration.uncertainty import SensorError, estimate_error
 from drake_blfdmp.demonstration.upright import AXES, rotation_to_z_up, up_axis
 from drake_blfdmp.errors import RecordingError
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.quaternions import from_matrix, multiply
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 __all__ = ["CleaningOptions", "clean"]
 
@@ -74,17 +76,22 @@ class CleaningOptions:
 
 @dataclass
 class _Work:
-    """What the steps hand on: t (N,) s, x (N, 6, 3) m, frames (N,), good (N, 6) bool, and the log of the repairs."""
+    """What the steps hand on: t (N,) s, x (N, 6, 3) m, frames (N,), good (N, 6) bool, and the log of the repairs.
+
+    `orientations` are the hands' (N, 2, 4), or None.
+    """
 
     t: np.ndarray
     x: np.ndarray
     frames: np.ndarray
     good: np.ndarray
+    orientations: np.ndarray | None = None
     repairs: dict[str, int] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def keep(self, rows: np.ndarray | slice) -> None:
         self.t, self.x, self.frames, self.good = self.t[rows], self.x[rows], self.frames[rows], self.good[rows]
+        self.orientations = None if self.orientations is None else self.orientations[rows]
 
 
 def clean(recording: Recording, options: CleaningOptions = CleaningOptions()) -> Demonstration:
@@ -108,7 +115,8 @@ def clean(recording: Recording, options: CleaningOptions = CleaningOptions()) ->
     clock = _resample(where, work, options)
     require_motion(where, work.x)
     up = _up(where, recording, work, options)
-    x = work.x @ rotation_to_z_up(up).T
+    to_z_up = rotation_to_z_up(up)
+    x = work.x @ to_z_up.T
     require_sides(where, x)
     error = estimate_error(x, recording.known)
     demonstration = Demonstration(
@@ -118,6 +126,7 @@ def clean(recording: Recording, options: CleaningOptions = CleaningOptions()) ->
         synthetic=recording.synthetic,
         known=recording.known,
         uncertainty=error.per_point,
+        orientations=None if work.orientations is None else multiply(from_matrix(to_z_up), work.orientations),
     )
     x = _refine(demonstration, error, work, options)
     # Bones that were given their lengths no longer tell how the hands' distance errs.
@@ -148,6 +157,12 @@ def _read(recording: Recording, options: CleaningOptions) -> _Work:
     t, x, frames = checked_arrays(recording)
     x = np.where(np.any(x != 0.0, axis=-1, keepdims=True), x, np.nan)  # How a Kinect writes a joint it does not see.
     work = _Work(t, x, frames, np.ones(x.shape[:2], dtype=bool))
+    if recording.orientations is not None:
+        work.orientations = np.asarray(recording.orientations, float)
+        if work.orientations.shape != (len(t), 2, 4):
+            raise RecordingError(
+                f"{where}: orientations are {work.orientations.shape}, expected {(len(t), 2, 4)}; give one a hand"
+            )
     seen = np.isfinite(x).all(axis=-1)
     doubted = np.zeros_like(seen)
     if recording.confidence is not None:
@@ -188,6 +203,8 @@ def _repair_points(recording: Recording, work: _Work, options: CleaningOptions) 
     work.repairs["swaps_undone"] = int(moved.sum())
     if moved.any():
         work.notes.append(describe_swaps(moved, work.frames))
+        if work.orientations is not None:  # Whose they are nobody knows.
+            work.orientations = np.where(moved[:, WRISTS, None], np.nan, work.orientations)
     missing = np.isnan(work.x).any(axis=-1)
     work.repairs["empty_frames"] = int(missing.all(axis=1).sum())
     jumps, moved = np.zeros(missing.shape, dtype=bool), np.zeros(missing.shape, dtype=bool)
@@ -231,6 +248,10 @@ def _resample(where: str, work: _Work, options: CleaningOptions) -> np.ndarray:
     require_short_gaps(where, work.t, work.frames, work.good, options.max_gap_s)
     work.repairs["missing_samples_filled"] = int(np.isnan(work.x).any(axis=-1).sum())
     clock, rate = uniform_clock(where, work.t, options.rate_hz)
+    if work.orientations is not None:
+        cleaned = clean_orientations(work.t, work.orientations, clock, options.max_gap_s)
+        work.orientations, work.repairs["orientations_removed"] = cleaned.q, cleaned.removed
+        work.notes += cleaned.notes
     work.x, work.repairs["resampled_frames"] = fill_and_resample(
         work.t, work.x, work.good, clock, rate, options.interpolation
     )

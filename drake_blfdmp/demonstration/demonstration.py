@@ -28,6 +28,8 @@ class Recording:
         known: dimensions known beforehand.
         confidence: (N, 6) what the sensor itself says of each point, 0 not seen, 0.5 guessed, 1 tracked; None where it
             says nothing.
+        orientations: (N, 2, 4) of left and right hand in the file's frame, unit quaternions w x y z of some axes of the
+            hand's own; NaN where missing; None where the file has none.
         up: the axis that points up by the file or its format ("z", "y", "-y", ...); None where neither tells.
         evidence: sentences on how the file was understood: format, unit, clock, person.
     """
@@ -40,6 +42,7 @@ class Recording:
     synthetic: bool = False
     known: KnownDimensions = KnownDimensions()
     confidence: np.ndarray | None = None
+    orientations: np.ndarray | None = None
     up: str | None = None
     evidence: tuple[str, ...] = ()
 
@@ -59,6 +62,8 @@ class Demonstration:
             recording itself; None where it was not.
         wobble: the noise of the bones' lengths (`holding.wobble`) before they were restored, m; None where x shows it.
         notes: sentences on what cleaning found and chose: axes, jumps, smoothing.
+        orientations: (N, 2, 4) of left and right hand, unit quaternions w x y z in the frame of x, not smoothed; NaN
+            throughout for a hand without; None where neither has any.
     """
 
     t: np.ndarray
@@ -70,6 +75,7 @@ class Demonstration:
     uncertainty: np.ndarray | None = None
     wobble: float | None = None
     notes: tuple[str, ...] = ()
+    orientations: np.ndarray | None = None
 
     @property
     def rate_hz(self) -> float:
@@ -92,6 +98,7 @@ def as_recording(demonstration: Demonstration) -> Recording:
         frames=np.arange(len(demonstration.t)),
         synthetic=demonstration.synthetic,
         known=demonstration.known,
+        orientations=demonstration.orientations,
         up="z",
         evidence=demonstration.notes,
     )

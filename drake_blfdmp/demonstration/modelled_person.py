@@ -8,8 +8,10 @@ lengths. Nothing here is measured: whatever is made of it has to be labelled syn
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.quaternions import multiply
 
 DURATION_S = 8.0
 REACH_LIMIT = 0.95  # Of the straight arm: the elbow is never straight, so its swivel angle is always defined.
@@ -26,7 +28,19 @@ _TIMES = {
     "lower": (4.60, 5.75),
     "release": (6.10, 6.80),
     "retreat": (6.70, 7.75),
+    "tip": (2.90, 4.10),
+    "right": (4.10, 5.30),
 }
+
+
+# Left and right hand in the box's frame: z is x or -x of the box, x half up and half forward.
+_FINGERS = np.sqrt(0.5) * np.array([0.0, 1.0, 1.0])
+_ON_BOX = np.array(
+    [
+        np.roll(Rotation.from_matrix(np.stack([_FINGERS, np.cross(z, _FINGERS), z], axis=-1)).as_quat(), 1)
+        for z in ([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0])
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -47,6 +61,8 @@ class ModelledPerson:
         carry_right: how far it is carried to the right, half of it on either side of the body.
         carry_forward: how far it is carried forward.
         yaw: of the box: +yaw at the grasp, -yaw at the release (counter-clockwise from above), at most 10 degrees.
+        box_pitch: how far the hands tip the box in the middle of the carry, about the line from the left hand to the
+            right one; positive brings its top to the person. `hand_orientations` shows it, the points do not.
         swivel: elbows outward from hanging straight below the shoulder-wrist line.
         swivel_rise: added to `swivel` at the top of the lift.
         sway: bound on the torso's displacement.
@@ -67,6 +83,7 @@ class ModelledPerson:
     carry_right: float = 0.28
     carry_forward: float = -0.03
     yaw: float = np.deg2rad(5.0)
+    box_pitch: float = 0.0
     swivel: float = 0.40
     swivel_rise: float = 0.25
     sway: float = 0.02
@@ -86,6 +103,10 @@ class ModelledPerson:
             raise RecordingError(f"ModelledPerson.duration_s is {self.duration_s} s; give a positive duration")
         if abs(self.yaw) > np.deg2rad(10.0) + 1e-9:
             raise RecordingError(f"ModelledPerson.yaw is {self.yaw:.3f} rad; keep it within 10 degrees (0.175 rad)")
+        if abs(self.box_pitch) > np.deg2rad(90.0) + 1e-9:
+            raise RecordingError(
+                f"ModelledPerson.box_pitch is {self.box_pitch:.3f} rad; keep it within 90 degrees (1.571)"
+            )
 
 
 def held_interval(duration_s: float = DURATION_S) -> tuple[float, float]:
@@ -133,6 +154,21 @@ def hold_and_place(
         x[:, first + 1] = elbow_position(shoulder, wrist, person.upper_arm, person.forearm, swivel, side)
         x[:, first + 2] = wrist
     return t, x
+
+
+def hand_orientations(person: ModelledPerson, t: np.ndarray) -> np.ndarray:
+    """The hands' orientations (N, 2, 4) at times t (N,), s, w x y z: on the box while it is held, and as on it else.
+
+    Fingers (x) up and forward, palms (z) on the box's sides.
+    """
+    u = np.asarray(t) * (DURATION_S / person.duration_s)
+    yaw = 0.5 * _hands(person, u)[2]
+    done = {name: minimum_jerk((u - start) / (end - start)) for name, (start, end) in _TIMES.items()}
+    half = 0.5 * person.box_pitch * (done["tip"] - done["right"])
+    zero = np.zeros_like(u)
+    line = np.stack([np.cos(yaw), zero, zero, np.sin(yaw)], axis=-1)
+    box = multiply(line, np.stack([np.cos(half), np.sin(half), zero, zero], axis=-1))
+    return multiply(box[:, None], _ON_BOX)
 
 
 def elbow_position(

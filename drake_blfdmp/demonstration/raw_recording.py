@@ -15,12 +15,15 @@ class Body:
         frames: (N,) the file's own frame numbers (int), or the number from 0 of the row, message or entry.
         t: (N,) the file's clock, finite; None where the file has none.
         confidence: (N, 6) 0 not seen, 0.5 guessed, 1 tracked; None where the file says nothing.
+        orientations: (N, 2, 4) of left and right hand, quaternions w x y z of any length; NaN or zeros where missing;
+            None where the file has none.
     """
 
     x: np.ndarray
     frames: np.ndarray
     t: np.ndarray | None = None
     confidence: np.ndarray | None = None
+    orientations: np.ndarray | None = None
 
 
 @dataclass(frozen=True)

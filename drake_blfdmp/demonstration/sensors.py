@@ -47,6 +47,8 @@ class VirtualKinect:
             guessed, 1 tracked.
         rigid: a body model is fitted: bones keep their proportions, whatever the points' errors; only directions err.
         body_scale: relative standard deviation of the fitted body's size, slow, common to all bones.
+        hand_turn: standard deviation per axis of the slow error of the hands' orientations, where they are filmed, rad;
+            assumed, not measured.
         absent_share: share of the frames, at both ends of the recording, that hold no body.
 
     Raises:
@@ -76,6 +78,7 @@ class VirtualKinect:
     rigid: bool = False
     body_scale: float = 0.0
     absent_share: float = 0.0
+    hand_turn: float = np.deg2rad(2.0)
 
     def __post_init__(self):
         if len(self.white_grading) != 3:

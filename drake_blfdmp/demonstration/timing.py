@@ -12,7 +12,9 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from drake_blfdmp.demonstration.demonstration import Demonstration
+from drake_blfdmp.demonstration.hand_orientation import ended_level, turn_since
 from drake_blfdmp.demonstration.holding import Holding
+from drake_blfdmp.demonstration.modelled_person import minimum_jerk
 from drake_blfdmp.demonstration.smoothing import smooth
 from drake_blfdmp.errors import ScenarioError
 
@@ -50,12 +52,17 @@ class TaskMotion:
         recorded: (N,) time in the recording that is shown at t, s.
         events: grasp and release: the beginnings of the two dwells, s; grasp_end and release_end: their ends. Without a
             box start and end of the movement alone.
+        turn: (N, 4) how what is held has turned since the grasp, in the frame of the line between the hands
+            (`hand_orientation`); without a box since the start. None where the recording has no orientations.
+        levelled: rad about that line by which the person put the box down otherwise than they took it; taken out.
     """
 
     t: np.ndarray
     x: np.ndarray
     recorded: np.ndarray
     events: dict[str, float]
+    turn: np.ndarray | None = None
+    levelled: float = 0.0
 
 
 def ramp(u):
@@ -103,6 +110,9 @@ def task_motion(
     t, x, recorded, durations = _play(demonstration, stops, rests, timing, cutoff_hz, rate_hz)
     grasp = rests[0] + durations[0]
     release = grasp + timing.dwell_s + durations[1]
+    turn, levelled = turn_since(demonstration, np.clip(recorded, start, end), start, cutoff_hz), 0.0
+    if turn is not None:
+        turn, levelled = ended_level(turn, minimum_jerk((recorded - start) / (end - start)))
     return TaskMotion(
         t=t,
         x=x,
@@ -113,6 +123,8 @@ def task_motion(
             "release": release,
             "release_end": release + timing.dwell_s,
         },
+        turn=turn,
+        levelled=levelled,
     )
 
 
@@ -137,7 +149,9 @@ def free_motion(
         )
     rests = [timing.rest_s, timing.rest_s]
     t, x, recorded, durations = _play(demonstration, [start_s, end_s], rests, timing, cutoff_hz, rate_hz)
-    return TaskMotion(t=t, x=x, recorded=recorded, events={"start": rests[0], "end": rests[0] + durations[0]})
+    events = {"start": rests[0], "end": rests[0] + durations[0]}
+    turn = turn_since(demonstration, recorded, start_s, cutoff_hz)
+    return TaskMotion(t=t, x=x, recorded=recorded, events=events, turn=turn)
 
 
 def _check(timing: Timing) -> None:

@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from drake_blfdmp.demonstration.demonstration import Demonstration
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.quaternions import multiply
 
 CUTOFF_HZ = 1.0
 _LEFT_SHOULDER, _RIGHT_SHOULDER = 0, 3
@@ -94,4 +95,9 @@ def to_torso_frame(demonstration: Demonstration, cutoff_hz: float = CUTOFF_HZ) -
         RecordingError: there is no heading at some sample.
     """
     frames = torso_frames(demonstration.x, demonstration.rate_hz, cutoff_hz)
-    return replace(demonstration, x=into_frames(demonstration.x, frames))
+    orientations = demonstration.orientations
+    if orientations is not None:
+        half = -0.5 * np.arctan2(frames.x_axis[:, 1], frames.x_axis[:, 0])
+        heading = np.stack([np.cos(half), 0.0 * half, 0.0 * half, np.sin(half)], axis=-1)
+        orientations = multiply(heading[:, None], orientations)
+    return replace(demonstration, x=into_frames(demonstration.x, frames), orientations=orientations)

@@ -14,16 +14,22 @@ from scipy.spatial.transform import Rotation
 from scipy.special import erf
 
 from drake_blfdmp.demonstration.demonstration import KnownDimensions, Recording
-from drake_blfdmp.demonstration.modelled_person import ModelledPerson, hold_and_place
+from drake_blfdmp.demonstration.modelled_person import ModelledPerson, hand_orientations, hold_and_place
 from drake_blfdmp.demonstration.sensors import VirtualKinect
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.quaternions import from_rotation_vector, interpolated, multiply
 from drake_blfdmp.skeleton import WRISTS
 
 _MISFIT = 0.3  # rad; an arm that is turned by more is one that the sensor guesses.
 
 
 def film(
-    sensor: VirtualKinect, t: np.ndarray, x_truth: np.ndarray, seed: int, known: KnownDimensions | None = None
+    sensor: VirtualKinect,
+    t: np.ndarray,
+    x_truth: np.ndarray,
+    seed: int,
+    known: KnownDimensions | None = None,
+    turns: np.ndarray | None = None,
 ) -> Recording:
     """What the sensor makes of an exact motion; the same seed gives identical arrays.
 
@@ -36,6 +42,7 @@ def film(
         seed: of all random numbers.
         known: dimensions known beforehand. `box_width` tells when the box is held and hides the hands; without it they
             are never hidden.
+        turns: (N, 2, 4) the hands' orientations, w x y z; None films none.
 
     Returns:
         The recording, in the truth's frame, marked synthetic, with the sensor's confidence in every point: 1 seen, 0.5
@@ -60,6 +67,7 @@ def film(
     known = known or KnownDimensions()
     # A stream for each effect: changing one leaves the others' errors as they are.
     drift, occlusion, jumps, white, delivery, misfits, size, presence = np.random.default_rng(seed).spawn(8)
+    turning = np.random.default_rng(seed).spawn(9)[8]
 
     clock = t[0] + np.arange(int(np.floor((t[-1] - t[0]) * sensor.rate_hz + 1e-6)) + 1) / sensor.rate_hz
     x = CubicSpline(t, x_truth)(clock)
@@ -78,6 +86,7 @@ def film(
     absent = _absent(sensor, presence, len(clock))
     x[absent], confidence[absent] = np.nan, 0.0
     frames = _delivered(sensor, delivery, len(clock))
+    seen_turns = None if turns is None else _turned(sensor, turning, t, turns, clock)
     return Recording(
         t=clock[frames],
         x=x[frames],
@@ -87,6 +96,7 @@ def film(
         synthetic=True,
         known=known,
         confidence=confidence[frames],
+        orientations=None if seen_turns is None else np.where(absent[:, None, None], np.nan, seen_turns)[frames],
         up="z",
     )
 
@@ -112,7 +122,8 @@ def record_hold_and_place(
     sensor = sensor or VirtualKinect()
     t, x = hold_and_place(person, rate_hz=sensor.rate_hz)
     known = KnownDimensions(person.upper_arm, person.forearm, person.box_width)
-    recording = film(sensor, t, x, seed, known)
+    turns = hand_orientations(person, t) if person.box_pitch else None
+    recording = film(sensor, t, x, seed, known, turns)
     return recording, x[recording.frames]
 
 
@@ -168,6 +179,16 @@ def _joint_drift(sensor: VirtualKinect, rng: np.random.Generator, n: int) -> np.
     else:
         noise = _bounded(slow_noise(rng, n, (2, 3, 3), 1 / sensor.rate_hz, sensor.correlation_s))
     return np.cumsum(own[:, None] * noise, axis=2).reshape(n, 6, 3)
+
+
+def _turned(
+    sensor: VirtualKinect, rng: np.random.Generator, t: np.ndarray, turns: np.ndarray, clock: np.ndarray
+) -> np.ndarray:
+    """The hands' orientations (n, 2, 4) at the clock's times, with slow and white errors; their size is assumed."""
+    shown = np.stack([interpolated(t, turns[:, hand], clock) for hand in range(2)], axis=1)
+    slow = slow_noise(rng, len(clock), (2, 3), 1 / sensor.rate_hz, sensor.correlation_s)
+    error = sensor.hand_turn * slow + 0.3 * sensor.hand_turn * rng.standard_normal(slow.shape)
+    return multiply(from_rotation_vector(error), shown)
 
 
 def _misfits(sensor: VirtualKinect, rng: np.random.Generator, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
+from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_blfdmp.diagrams.feedback import AddHandsObserver, AddTempo
 from drake_blfdmp.diagrams.skill import AddSkill, SkillSystems
@@ -27,6 +28,7 @@ from drake_blfdmp.robot.plant import (
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skill.canonical import time_at
 from drake_blfdmp.systems.carry_phase import CarryPhase
+from drake_blfdmp.systems.orientation_system import OrientationSystem
 from drake_blfdmp.systems.palm_forces import PalmForces
 from drake_blfdmp.systems.retargeting import Retargeting
 from drake_blfdmp.systems.swivel_differential_ik import SwivelDifferentialIk
@@ -49,6 +51,7 @@ class HoldAndPlace:
         tempo: of the skill's clock; None where nothing slows it.
         observer: of the palms' real distance, fed back or not.
         carry_phase: the phase of the carry as measured; None without a box.
+        orientation: how what is held turns about the line between the hands; None where no recording tells.
     """
 
     plan: Plan
@@ -64,6 +67,7 @@ class HoldAndPlace:
     tempo: OutputPort | None
     observer: System
     carry_phase: System | None
+    orientation: System | None = None
 
 
 def AddPlannedPlant(
@@ -122,6 +126,7 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     )
     for name in ("position", "velocity"):
         builder.Connect(skill.transformation.GetOutputPort(name), retargeting.GetInputPort(name))
+    orientation = None if plan.task.skill.orientation is None else AddOrientation(builder, plan, skill, retargeting)
     for name in ("palm_poses", "palm_twists", "swivel", "swivel_rate"):
         builder.Connect(retargeting.GetOutputPort(name), ik.GetInputPort(name))
     for arm, name in zip(arms, ("left", "right"), strict=True):
@@ -129,11 +134,39 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     _add_push(builder, plan, plant, arms)
     forces = None if box is None else _add_palm_forces(builder, plant, arms, box)
     tempo = AddTempo(builder, plan, plant, arms, skill, retargeting, ik)
+    if orientation is not None and tempo is not None:
+        builder.Connect(tempo, orientation.GetInputPort("tempo"))
     observer = AddHandsObserver(builder, plan, plant, arms, skill, forces, tempo)
     phase = None if box is None or forces is None else _add_carry_phase(builder, plan, plant, box, forces)
     return HoldAndPlace(
-        plan, skill, retargeting, ik, plant, scene_graph, arms, box, forces, limits, tempo, observer, phase
+        plan,
+        skill,
+        retargeting,
+        ik,
+        plant,
+        scene_graph,
+        arms,
+        box,
+        forces,
+        limits,
+        tempo,
+        observer,
+        phase,
+        orientation,
     )
+
+
+def AddOrientation(builder: DiagramBuilder, plan: Plan, skill: SkillSystems, retargeting: System) -> System:
+    """Add the skill's orientation and its goal, and let the palms roll by it."""
+    own = plan.task.skill
+    time_step = plan.scenario.simulation.skill_time_step
+    orientation = builder.AddNamedSystem("orientation", OrientationSystem(skill=own, time_step=time_step))
+    goal = builder.AddNamedSystem("goal_orientation", ConstantVectorSource(own.orientation.goal))
+    builder.Connect(skill.canonical.GetOutputPort("phase"), orientation.GetInputPort("phase"))
+    builder.Connect(goal.get_output_port(), orientation.GetInputPort("goal_orientation"))
+    for name in ("orientation", "angular_velocity"):
+        builder.Connect(orientation.GetOutputPort(name), retargeting.GetInputPort(name))
+    return orientation
 
 
 def _add_palm_forces(

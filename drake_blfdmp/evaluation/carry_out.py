@@ -180,6 +180,8 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
     ]
     if parts.tempo is not None:
         signals.append(("tempo", parts.tempo, ["tempo"], "1"))
+    if parts.orientation is not None:
+        signals.append(("turn", parts.orientation.GetOutputPort("orientation"), ["qw", "qx", "qy", "qz"], "1"))
     if parts.palm_forces is not None:
         signals.append(("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"))
     if parts.carry_phase is not None:

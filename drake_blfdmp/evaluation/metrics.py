@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_blfdmp.quaternions import angle_between
 from drake_blfdmp.recording.run_log import RunLog
 from drake_blfdmp.robot.retargeting import up_axis
 from drake_blfdmp.skeleton import HANDS, LINKS
@@ -141,6 +142,7 @@ def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: floa
     return {
         "lifted_m": float(log.box[:, 6].max() - start_height),
         "placement_error_m": error,
+        "placement_rotation_deg": float(np.rad2deg(angle_between(log.box[-1, :4], np.asarray(goal)[:4]))),
         "max_tilt_deg": float(tilt_deg(log.box, log.box_desired).max()),
         "dropped": bool(gripped.min() <= 0.0),
         "max_slip_m": float(slip(log.palm[inside], log.box[inside], width).max()) if inside.any() else 0.0,

@@ -6,23 +6,35 @@ import numpy as np
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.free_plan import MakeFreePlan
-from drake_blfdmp.planning.planned import AdaptationNotes, BelowPalms, FindReach, IndexAt, Plan, Progress
+from drake_blfdmp.planning.planned import (
+    AdaptationNotes,
+    BelowPalms,
+    FindReach,
+    IndexAt,
+    Plan,
+    Progress,
+    TurnNotes,
+)
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.squeeze import SqueezeCompliance, SqueezeDepth
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
-from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task, Turned
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.reach import Reach, rigid
 from drake_blfdmp.robot.retargeting import Retarget, box_pose, hand_line
+from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.skill.rollout import Rollout
 
 CLEARANCE = 0.008
 """Least distance, m, a plan keeps between bodies that must not touch."""
+
+YAW_TOLERANCE = np.deg2rad(2.0)
+"""How much less than asked for the box may be turned, rad."""
 
 TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
@@ -98,7 +110,15 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
     coupled = RollOutTask(scenario, task)
     anchor = IndexAt(coupled, task.held[0])
     same_level = abs(np.subtract(*_heights(coupled, task))) < LEVEL_WITHIN
+    yaw = scenario.task.place_rotation[2]
+    if yaw:
+        before = task, coupled
+        motion = Turned(motion, yaw, ShiftWindow(coupled, task, same_level))
+        task = MakeTask(scenario, source, motion)
+        coupled = RollOutTask(scenario, task)
     reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress)
+    if yaw:
+        CheckYaw(yaw, *(_yaws(rollout, of, reach.retarget)[1] for of, rollout in (before, (task, coupled))))
     # The shift is known in the world; the skill needs it in the person's frame, so it depends on the scale found.
     for _ in range(2):
         shift = ShiftForSupports(
@@ -127,16 +147,18 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze))
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
-    notes += AdaptationNotes(reach.retarget, stretch)
+    notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]
     if stretch != 1.0:
         task = MakeTask(scenario, source, motion, stretch)
         coupled = RollOutTask(scenario, task)
     grasped, released = (IndexAt(coupled, t) for t in task.held)
-    poses = BelowPalms(box_pose(coupled.x[[grasped, released]], reach.retarget), scenario.task.grasp_above)
+    ends = [grasped, released]
+    turn = None if coupled.turn is None else coupled.turn[ends]
+    poses = BelowPalms(box_pose(coupled.x[ends], reach.retarget, turn), scenario.task.grasp_above)
     yaws = _yaws(coupled, task, reach.retarget)
     if same_level:
         poses[1, 6] = poses[0, 6]
-    ends = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, yaws, strict=True)]
+    stands = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, yaws, strict=True)]
     for pose, what in zip(poses, ("grasp", "release"), strict=True):
         if pose[6] < 0.5 * box.height + 0.05:
             raise TaskError(f"supports: the box would stand below the floor at the {what}; set retarget.world higher")
@@ -150,7 +172,7 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         box=box,
         start=poses[0],
         goal=poses[1],
-        tables=MakeSupports(*ends, box, same_level),
+        tables=MakeSupports(*stands, box, same_level),
         stretch=stretch,
         notes=tuple(notes),
         squeeze_compliance=compliance,
@@ -184,6 +206,16 @@ def _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, b
         except TaskError:
             pass  # Out of reach there; another place may do.
     return FindReach(scenario, coupled, anchor, kinematics, limits, progress, before.scale)
+
+
+def CheckYaw(asked: float, before: float, after: float) -> None:
+    """Refuse a turn of the place that the palms' line does not take, rad."""
+    reached = float(wrap(after - before))
+    if abs(reached - asked) > YAW_TOLERANCE:
+        raise TaskError(
+            f"task.place_rotation: a yaw of {asked:.2f} rad was asked for, the palms can turn the box by {reached:.2f} "
+            "rad of it from where the person puts it; ask for less, or for the other way round"
+        )
 
 
 def _middle(rollout: Rollout) -> np.ndarray:

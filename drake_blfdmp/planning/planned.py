@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.planning.task import Task
@@ -13,7 +14,7 @@ from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.reach import Reach, find_reach
-from drake_blfdmp.robot.retargeting import Retarget, box_pose, up_axis
+from drake_blfdmp.robot.retargeting import Retarget, box_pose, common_roll, up_axis
 from drake_blfdmp.skill.rollout import Rollout
 
 Progress = Callable[[str, float], None]
@@ -94,7 +95,8 @@ class Plan:
         grasped, released = self.task.held
         t = np.clip(self.coupled.t, grasped, released)
         index = np.minimum(np.round(t / self.scenario.simulation.skill_time_step).astype(int), len(t) - 1)
-        return BelowPalms(box_pose(self.coupled.x, self.retarget), self.scenario.task.grasp_above)[index]
+        poses = box_pose(self.coupled.x, self.retarget, self.coupled.turn)
+        return BelowPalms(poses, self.scenario.task.grasp_above)[index]
 
 
 def BelowPalms(pose, above: float) -> np.ndarray:
@@ -144,6 +146,7 @@ def FindReach(
         world=world if config.world is None else np.array(config.world),
         level=config.level,
         elbow_up=config.elbow_up,
+        turn=None if coupled.turn is None else coupled.turn[first::every],
         progress=lambda share: progress("finding a reachable place", share),
         **options,
     )
@@ -163,4 +166,24 @@ def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
         notes.append(f"elbows' swing limited to {swing:.0f} degrees and the hands' yaw to {yaw:.0f}, to stay in reach")
     if stretch > 1.005:
         notes.append(f"slowed down {stretch:.2f} times, to stay within the joints' speed and acceleration")
+    return notes
+
+
+def TurnNotes(motion: TaskMotion, coupled: Rollout, retarget: Retarget) -> list[str]:
+    """What was taken from the way the person's hands turned the box, in sentences."""
+    if coupled.turn is None:
+        return []
+    notes = []
+    if abs(motion.levelled) > np.deg2rad(1.0):
+        notes.append(
+            f"the hands put the box down turned by {np.rad2deg(motion.levelled):+.0f} degrees about the line between "
+            "them; taken out, for it stands on a level table"
+        )
+    free = replace(retarget, pitch=(np.pi, 2.0 * np.pi))
+    asked, kept = (np.abs(common_roll(coupled.turn, np.zeros(3), limits)[0]).max() for limits in (free, retarget))
+    if asked - kept > np.deg2rad(1.0):
+        notes.append(
+            f"the box's turn about the line between the hands limited to {np.rad2deg(kept):.0f} of "
+            f"{np.rad2deg(asked):.0f} degrees, to stay in the wrists' reach"
+        )
     return notes

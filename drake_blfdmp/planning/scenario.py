@@ -36,6 +36,9 @@ from drake_blfdmp.skeleton import POINTS
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.regression import METHODS
 
+MOST_YAW = 0.8
+"""rad by which a box may be put down turned: two arms that face it from one side turn no farther."""
+
 LONGEST_TIME_STEP = 0.01
 """The longest step of the plant, s: at 0.01 the default run still succeeds, at 0.02 the box flies off."""
 
@@ -197,11 +200,25 @@ def CheckScenario(scenario: Scenario) -> None:
         ("recording.frames", scenario.recording.frames, 2),
         ("task.held", task.held, 2),
         ("task.place_offset", task.place_offset, 3),
+        ("task.place_rotation", task.place_rotation, 3),
         ("retarget.world", scenario.retarget.world, 3),
         ("reality.push_force", reality.push_force, 3),
     ):
         if value is not None and len(value) != size:
             raise ScenarioError(f"scenario: {key} must have {size} numbers, not {len(value)}")
+    _check_rotation(task.place_rotation)
+
+
+def _check_rotation(rotation: Sequence[float]) -> None:
+    if any(rotation[:2]):
+        raise ScenarioError(
+            f"scenario: task.place_rotation is {list(rotation)}, but a box on a level table neither rolls nor pitches; "
+            "give [0, 0, yaw]"
+        )
+    if not -MOST_YAW <= rotation[2] <= MOST_YAW:
+        raise ScenarioError(
+            f"scenario: task.place_rotation has a yaw of {rotation[2]:g} rad; give {-MOST_YAW:g} to {MOST_YAW:g}"
+        )
 
 
 def _check_recordings(scenario: Scenario) -> None:

@@ -70,6 +70,8 @@ class SyntheticConfig:
         sensor: what films, one of `SENSOR_NAMES`; "steady" is the default `VirtualKinect()`, with a Kinect v1's bones
             and no arm that is lost.
         takes: how often it films; each take has errors of its own, and one skill is learned from all.
+        box_pitch: how far the person tips the box in the middle of the carry, about the line between the hands, top
+            towards the person; other than 0 the film has the hands' orientations.
     """
 
     upper_arm: float = 0.22
@@ -77,6 +79,7 @@ class SyntheticConfig:
     box_width: float = 0.30
     sensor: str = "steady"
     takes: int = 1
+    box_pitch: float = 0.0
 
 
 @dataclass
@@ -168,6 +171,8 @@ class TaskConfig:
         clearance: distance of each palm from the box while it is open.
         grasp_above: how far above the box's centre the palms take it; it then hangs, and the hands clear the table.
         place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
+        place_rotation: the box is put down turned by this (roll, pitch, yaw) from how the person put it; it stands on a
+            level table, so roll and pitch must be 0.
         duration_scale: stretches the motion; None slows it down just as far as the arms need.
         tail: time after the motion's end.
     """
@@ -179,6 +184,7 @@ class TaskConfig:
     clearance: float = 0.05
     grasp_above: float = 0.02
     place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    place_rotation: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     duration_scale: float | None = None
     tail: float = 0.5
 

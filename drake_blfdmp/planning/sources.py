@@ -14,6 +14,7 @@ from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
 from drake_blfdmp.demonstration.demonstration import Demonstration, Recording
 from drake_blfdmp.demonstration.formats import read_recording
 from drake_blfdmp.demonstration.grasp import grasp_and_release
+from drake_blfdmp.demonstration.hand_orientation import mean_orientations
 from drake_blfdmp.demonstration.holding import Holding, find_holding
 from drake_blfdmp.demonstration.modelled_person import ModelledPerson
 from drake_blfdmp.demonstration.sensors import SENSORS
@@ -105,7 +106,12 @@ def ReadRecordings(scenario: Scenario, progress: Callable[[str], None] = lambda 
     config, synthetic = scenario.recording, scenario.synthetic
     if config.file is None:
         progress("filming the modelled person (synthetic)")
-        person = ModelledPerson(upper_arm=synthetic.upper_arm, forearm=synthetic.forearm, box_width=synthetic.box_width)
+        person = ModelledPerson(
+            upper_arm=synthetic.upper_arm,
+            forearm=synthetic.forearm,
+            box_width=synthetic.box_width,
+            box_pitch=synthetic.box_pitch,
+        )
         seeds = range(scenario.seed, scenario.seed + synthetic.takes)
         sensor = SENSORS.get(synthetic.sensor)  # None, of the steady one, films with the default.
         return [record_hold_and_place(person=person, sensor=sensor, seed=seed)[0] for seed in seeds]
@@ -212,10 +218,12 @@ def _learn_together(scenario: Scenario, sources: Sequence[Source]) -> Source:
     uncertainties = [one.uncertainty for one in demonstrations]
     repairs = [one.repairs for one in demonstrations]
     names = dict.fromkeys(name for one in repairs for name in one)
+    x = weighted_mean(alignment.shown(demonstrations), weights)
     demonstration = replace(
         demonstrations[0],
         t=alignment.t,
-        x=weighted_mean(alignment.shown(demonstrations), weights),
+        x=x,
+        orientations=mean_orientations(x, demonstrations, alignment.recorded, _starts(sources), weights),
         source=f"mean of {len(sources)}: {'; '.join(source.recording.source for source in sources)}",
         synthetic=any(one.synthetic for one in demonstrations),
         repairs={name: sum(one.get(name, 0) for one in repairs) for name in names},
@@ -235,6 +243,10 @@ def _learn_together(scenario: Scenario, sources: Sequence[Source]) -> Source:
             tuple(sources), weights, alignment, weighted_spread(alignment.shown(demonstrations, cutoff_hz), weights)
         ),
     )
+
+
+def _starts(sources: Sequence[Source]) -> list[float]:
+    return [source.holding.start_s for source in sources]
 
 
 def _median_hand_distance(demonstration: Demonstration, held) -> float:

@@ -17,6 +17,7 @@ from drake_blfdmp.skill.laws import law
 from drake_blfdmp.skill.laws.follower import PublishedGains
 from drake_blfdmp.skill.laws.gams import GamsGains
 from drake_blfdmp.skill.learning import learn_skill
+from drake_blfdmp.skill.orientation import roll_out_orientation
 from drake_blfdmp.skill.profiles import HandDistance, RecordedDistance, smooth_step, softly_at_least
 from drake_blfdmp.skill.reshaper import mobility_from_uncertainty
 from drake_blfdmp.skill.rollout import Rollout, roll_out
@@ -105,6 +106,18 @@ def Raised(motion: TaskMotion, height: float, window: tuple[float, float]) -> Ta
     return replace(motion, x=motion.x + (height * bump)[:, None, None] * np.array([0.0, 0.0, 1.0]))
 
 
+def Turned(motion: TaskMotion, yaw: float, window: tuple[float, float]) -> TaskMotion:
+    """The motion with all points turned by `yaw`, rad, about the vertical through the hands' middle, as `Shifted`.
+
+    Lengths, the hands' middle and the arms' swivel angles stay as they are: the body walks around the box.
+    """
+    angle = yaw * smooth_step((motion.t - window[0]) / (window[1] - window[0]))[0][:, None]
+    middle = 0.5 * (motion.x[:, None, 2] + motion.x[:, None, 5])
+    off, c, s = motion.x - middle, np.cos(angle), np.sin(angle)
+    turned = np.stack([c * off[..., 0] - s * off[..., 1], s * off[..., 0] + c * off[..., 1], off[..., 2]], axis=-1)
+    return replace(motion, x=middle + turned)
+
+
 def MakeTask(
     scenario: Scenario, source: Source, motion: TaskMotion, stretch: float = 1.0, least_apart: float = 0.0
 ) -> Task:
@@ -128,6 +141,7 @@ def MakeTask(
         source=source.demonstration.source,
         spread=MotionSpread(source, motion),
         mobility=Mobility(scenario, source),
+        turn=motion.turn,
     )
     if stretch != 1.0:
         skill = replace(skill.with_duration(skill.tau * stretch), alpha_z=skill.alpha_z, beta_z=skill.beta_z)
@@ -231,4 +245,7 @@ def RollOutTask(scenario: Scenario, task: Task, *, coupled: bool = True) -> Roll
             f"{rollout.t[np.argmin(near)]:.2f} s; use another law, or other gains or a shorter "
             "simulation.skill_time_step"
         )
-    return rollout
+    if task.skill.orientation is None:
+        return rollout
+    turn, turn_rate = roll_out_orientation(task.skill, time_step=step, samples=len(rollout.t))
+    return replace(rollout, turn=turn, turn_rate=turn_rate)

@@ -102,22 +102,24 @@ def evaluate(
     retarget: Retarget,
     anchor: int,
     samples: int = SAMPLES,
+    turn=None,
 ) -> Reach | None:
     """Try one retargeting on points x (N, 6, 3) at times t (N,); the rolls are chosen at sample `anchor`, the grasp.
 
     Args:
         samples: how many of the N, evenly, are followed beside the anchor.
+        turn: (N, 4) how what is held turns, as in `retarget_motion`; None where nothing tells.
 
     Returns:
         None where the arms cannot take the grasp at all.
     """
-    pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget)
+    pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget, turn=turn)
     q = starting_posture(kinematics, limits, pose[anchor], swivel[anchor])
     if q is None:
         return None
     rolls = retarget.rolls + palm_rolls(kinematics, q, pose[anchor])
     retarget = replace(retarget, rolls=rolls)
-    pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget)
+    pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget, turn=turn)
     tried = np.unique(np.append(np.linspace(0, len(x) - 1, samples).round().astype(int), anchor))
     middle = int(np.searchsorted(tried, anchor))
     give_up = 5.0 * POSE_TOLERANCE
@@ -132,9 +134,10 @@ def evaluate(
 
 
 def calmed(retarget: Retarget, share: float) -> Retarget:
-    """The same map with the elbows' swing and the hands' yaw limited to a share of what it allows."""
-    out, inward, yaw = ((share * a, share * b) for a, b in (retarget.swing_out, retarget.swing_in, retarget.yaw))
-    return replace(retarget, swing_out=out, swing_in=inward, yaw=yaw)
+    """The same map with the elbows' swing and the hands' yaw and pitch limited to a share of what it allows."""
+    allowed = (retarget.swing_out, retarget.swing_in, retarget.yaw, retarget.pitch)
+    out, inward, yaw, pitch = ((share * a, share * b) for a, b in allowed)
+    return replace(retarget, swing_out=out, swing_in=inward, yaw=yaw, pitch=pitch)
 
 
 def _rank(reach: Reach) -> tuple[bool, float]:
@@ -155,6 +158,7 @@ def find_reach(
     shrink_hands: bool = False,
     sample_rate_hz: float = 0.0,
     remedy: str = REMEDY,
+    turn: np.ndarray | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Reach:
     """The largest scale at which the whole motion is reachable in comfort, and for it the place that needs least speed.
@@ -175,6 +179,7 @@ def find_reach(
         shrink_hands: the hands' distance may be scaled with the motion, as nothing is held between them.
         sample_rate_hz: what is found on `SAMPLES` samples has to hold on so many a second, too.
         remedy: what the error tells a person to do.
+        turn: (N, 4) how what is held turns, as in `retarget_motion`; None where nothing tells.
         progress: called with the share of the search that is done.
 
     Raises:
@@ -197,12 +202,12 @@ def find_reach(
             for j, (place, hands) in enumerate(tries):
                 retarget = Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands)
                 retarget = calmed(retarget, calm)
-                reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor)
+                reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor, turn=turn)
                 progress((c + (i + (j + 1) / len(tries)) / len(scales)) / len(CALM))
                 if reach is None:
                     continue
                 if finer > SAMPLES and reach.sound and (best is None or _rank(reach) < _rank(best)):
-                    reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor, finer) or reach
+                    reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor, finer, turn) or reach
                 nearest = max(nearest or reach, reach, key=lambda r: -r.following.pose_error)
                 if reach.sound and (best is None or _rank(reach) < _rank(best)):
                     best = reach

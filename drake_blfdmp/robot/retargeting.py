@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drake_blfdmp.quaternions import multiply
 from drake_blfdmp.robot.swivel import swivel_angle, swivel_rate, wrap
 from drake_blfdmp.skeleton import ELBOWS, SHOULDERS, WRISTS
 from drake_blfdmp.vectors import cross, dot
@@ -34,6 +35,8 @@ class Retarget:
             never past the second. swing_in: the same towards the other arm, where the robot's elbows would meet.
         yaw: the same for the yaw of the line between the hands, either way.
         hands_scale: of the distance between the hands; other than 1 only where they hold nothing.
+        pitch: as `yaw`, of the turn of what is held about the line between the hands. It takes joint 7 alone, which has
+            2.9 rad to either side of where the grasp leaves it; other motion needs its share of them.
     """
 
     scale: float
@@ -46,23 +49,11 @@ class Retarget:
     swing_in: tuple[float, float] = (np.deg2rad(10.0), np.deg2rad(25.0))
     yaw: tuple[float, float] = (np.deg2rad(30.0), np.deg2rad(45.0))
     hands_scale: float = 1.0
+    pitch: tuple[float, float] = (np.deg2rad(60.0), np.deg2rad(80.0))
 
     def point(self, x):
         """A position (..., 3) of the torso frame in W."""
         return self.world + self.scale * (x - self.person)
-
-
-def multiply(a, b):
-    """Quaternion product a b, (..., 4) in the order w x y z."""
-    a, b = np.asarray(a), np.asarray(b)
-    aw, ax, ay, az = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
-    bw, bx, by, bz = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
-    product[..., 0] = aw * bw - ax * bx - ay * by - az * bz
-    product[..., 1] = aw * bx + ax * bw + ay * bz - az * by
-    product[..., 2] = aw * by - ax * bz + ay * bw + az * bx
-    product[..., 3] = aw * bz + ax * by - ay * bx + az * bw
-    return product
 
 
 def palm_offsets(rolls) -> np.ndarray:
@@ -131,7 +122,38 @@ def line_frame(yaw, pitch):
     return q, np.stack([k * c, k * s, np.sin(pitch)], axis=-1), np.stack([-s, c, 0.0 * s], axis=-1)
 
 
-def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
+def common_roll(turn, turn_rate, retarget: Retarget):
+    """How far both palms roll together about the line between them, and how fast.
+
+    A turn r of what is held is one about the line times one of the line itself (swing and twist); the hands' points
+    tell the second, so only the first is taken from r.
+
+    Args:
+        turn: (..., 4) unit quaternions in the line frame.
+        turn_rate: (..., 3) angular velocity in the line frame, rad/s.
+
+    Returns:
+        The angle (...), rad, 0 where r leaves the line's own x axis unrolled, and its rate (...), rad/s.
+    """
+    w, x, y, z = (turn[..., i] for i in range(4))
+    rate = np.asarray(turn_rate)
+    along = w * w + x * x
+    # r' = omega r / 2; the angle is 2 atan2(x, w).
+    x_dot = 0.5 * (rate[..., 0] * w + rate[..., 1] * z - rate[..., 2] * y)
+    w_dot = -0.5 * (rate[..., 0] * x + rate[..., 1] * y + rate[..., 2] * z)
+    # Where r turns the line round, its twist has no direction; it is none then.
+    angle_rate = 2.0 * (w * x_dot - x * w_dot) / np.maximum(along, 1e-9)
+    angle, slope = softly_limited(wrap(2.0 * np.arctan2(x, w)), retarget.pitch)
+    return angle, slope * angle_rate
+
+
+def rolled(q, angle):
+    """Frames q (..., 4) turned by an angle (...), rad, about their own x axes."""
+    zero = np.zeros_like(angle)
+    return multiply(q, np.stack([np.cos(0.5 * angle), np.sin(0.5 * angle), zero, zero], axis=-1))
+
+
+def retarget_motion(x, velocity, retarget: Retarget, offsets=None, turn=None, turn_rate=None):
     """Palm poses, palm twists, swivel angles and their rates.
 
     Args:
@@ -139,6 +161,8 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
         velocity: (..., 6, 3), m/s.
         retarget: the map.
         offsets: `palm_offsets(retarget.rolls)` if at hand.
+        turn: (..., 4) how what is held has turned since the grasp, in the line frame; None where nothing tells.
+        turn_rate: (..., 3) its angular velocity, rad/s; None for a turn at rest.
 
     Returns:
         X_WP (..., 2, 7): qw qx qy qz x y z; V_WP (..., 2, 6): angular, then translational velocity in W;
@@ -150,6 +174,10 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
     omega = -pitch_rate[..., None] * y_axis
     omega[..., 2] += yaw_rate
     n_dot = cross(omega, n)
+    if turn is not None:
+        angle, angle_rate = common_roll(turn, np.zeros(3) if turn_rate is None else turn_rate, retarget)
+        q = rolled(q, angle)
+        omega = omega + angle_rate[..., None] * n
     half = 0.5 * (distance[..., None] * n)
     half_dot = 0.5 * (rate[..., None] * n + distance[..., None] * n_dot)
     pose = np.empty((*x.shape[:-2], 2, 7))
@@ -172,10 +200,17 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None):
     return pose, twist, swing, slope * psi_dot
 
 
-def box_pose(x, retarget: Retarget):
-    """The pose the box has between the palms, (..., 7) as qw qx qy qz x y z: x axis along the line, left to right."""
+def box_pose(x, retarget: Retarget, turn=None):
+    """The pose the box has between the palms, (..., 7) as qw qx qy qz x y z: x axis along the line, left to right.
+
+    Args:
+        turn: (..., 4) as in `retarget_motion`.
+    """
     middle, _, _, _, yaw, _, pitch, _ = hand_line(x, np.zeros_like(x), retarget)
-    return np.concatenate([line_frame(yaw, pitch)[0], middle], axis=-1)
+    q = line_frame(yaw, pitch)[0]
+    if turn is not None:
+        q = rolled(q, common_roll(turn, np.zeros(3), retarget)[0])
+    return np.concatenate([q, middle], axis=-1)
 
 
 def up_axis(pose):

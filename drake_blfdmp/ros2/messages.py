@@ -157,16 +157,20 @@ def wrench_template(frame_id: str) -> CdrTemplate:
 
 
 class Sphere(NamedTuple):
-    """What of a sphere stays from one message to the next: name, id, diameter (m) and colour (red to alpha, 0 to 1)."""
+    """What of a sphere stays from one message to the next: name, id, diameter (m) and colour (red to alpha, 0 to 1).
+
+    And whether it has an orientation of its own that changes.
+    """
 
     name: str
     id: int
     diameter: float
     rgba: tuple[float, float, float, float]
+    turns: bool = False
 
 
 def spheres_template(frame_id: str, spheres: Sequence[Sphere], *, lifetime_ns: int = 0) -> CdrTemplate:
-    """A visualization_msgs/msg/MarkerArray; values are x y z (m) of each sphere's centre.
+    """A visualization_msgs/msg/MarkerArray; values are x y z (m) of each sphere's centre, then qx qy qz qw if it turns.
 
     Args:
         frame_id: frame of the centres.
@@ -180,8 +184,9 @@ def spheres_template(frame_id: str, spheres: Sequence[Sphere], *, lifetime_ns: i
         writer.string(sphere.name)
         for number in (sphere.id, SPHERE, ADD):
             writer.int32(number)
-        writer.float64s(3)
-        for number in (0.0, 0.0, 0.0, 1.0, *3 * (sphere.diameter,)):  # Orientation, scale.
+        writer.float64s(7 if sphere.turns else 3)
+        still = () if sphere.turns else (0.0, 0.0, 0.0, 1.0)
+        for number in (*still, *3 * (sphere.diameter,)):  # Orientation, scale.
             writer.float64(number)
         for number in sphere.rgba:
             writer.float32(number)

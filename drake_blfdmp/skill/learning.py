@@ -8,6 +8,7 @@ from scipy.interpolate import make_interp_spline
 from drake_blfdmp.errors import SkillError
 from drake_blfdmp.skill.basis import centers_and_widths
 from drake_blfdmp.skill.canonical import DEFAULT_GAMMA, phase_at
+from drake_blfdmp.skill.orientation import learn_orientation
 from drake_blfdmp.skill.regression import METHODS
 from drake_blfdmp.skill.skill import Skill
 from drake_blfdmp.skill.transformation import target_forcing
@@ -25,6 +26,7 @@ def learn_skill(
     source: str = "",
     spread: np.ndarray | None = None,
     mobility: np.ndarray | None = None,
+    turn: np.ndarray | None = None,
 ) -> Skill:
     """Fit the forcing terms of all six points to a demonstration: (3) with the target (4).
 
@@ -39,6 +41,7 @@ def learn_skill(
         spread: (N, 6, 3) standard deviation at t over the recordings whose mean x is, m; kept 10 times a second or at
             101 times. The fit of the mean is the weighted least-squares fit of all recordings (`docs/learning.md`).
         events, source, mobility: kept in the skill.
+        turn: (N, 4) orientations that the skill learns beside the points (`skill.orientation`); None for none.
 
     Raises:
         SkillError: too few samples or basis functions, or an unknown method.
@@ -77,6 +80,11 @@ def learn_skill(
         source=source,
         spread=None if spread is None else _evenly(t, np.asarray(spread, dtype=float)),
         mobility=mobility,
+        orientation=None
+        if turn is None
+        else learn_orientation(
+            t, turn, centers=centers, widths=widths, tau=tau, gamma=gamma, alpha_z=alpha_z, method=method
+        ),
     )
 
 

@@ -36,12 +36,16 @@ class Rollout:
         t: (N,) s.
         x, velocity: (N, ..., 6, 3) m, m/s.
         bands: (N, ..., 6, 5), or None without bands.
+        turn, turn_rate: (N, 4) orientation and (N, 3) angular velocity, rad/s, of a skill that has them, else None; see
+            `skill.orientation`.
     """
 
     t: np.ndarray
     x: np.ndarray
     velocity: np.ndarray
     bands: np.ndarray | None
+    turn: np.ndarray | None = None
+    turn_rate: np.ndarray | None = None
 
     @property
     def lengths(self) -> np.ndarray:

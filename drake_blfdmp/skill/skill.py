@@ -10,6 +10,7 @@ from drake_blfdmp.errors import SkillError
 from drake_blfdmp.skeleton import POINTS
 from drake_blfdmp.skill.basis import forcing
 from drake_blfdmp.skill.canonical import DEFAULT_GAMMA
+from drake_blfdmp.skill.orientation import OrientationSkill
 
 VERSION = 1
 
@@ -31,6 +32,8 @@ class Skill:
             tau, so that it scales with the duration; None when learned from one recording.
         mobility: (6,) how readily each point gives way to the default law; only the ratios count. None leaves it to the
             law.
+        orientation: how what the hands hold turns about the line between them and beside it, in that line's frame
+            (`demonstration.hand_orientation`), on the same phase; None where the recording has no orientations.
     """
 
     weights: np.ndarray
@@ -46,6 +49,7 @@ class Skill:
     source: str = ""
     spread: np.ndarray | None = None
     mobility: np.ndarray | None = None
+    orientation: OrientationSkill | None = None
 
     def __post_init__(self):
         n = len(self.centers)
@@ -69,6 +73,8 @@ class Skill:
             mobility = np.asarray(self.mobility)
             if mobility.shape != (6,) or not np.all(np.isfinite(mobility) & (mobility > 0)):
                 raise SkillError("skill: mobility must be 6 positive numbers, one for each point")
+        if self.orientation is not None and len(self.orientation.weights) != n:
+            raise SkillError(f"skill: orientation has {len(self.orientation.weights)} basis functions, expected {n}")
 
     def forcing(self, s, weights=None):
         """f(s) of all points: (..., 18) for a phase of shape (...), with other weights (n, 18) where they are given."""
@@ -97,6 +103,16 @@ class Skill:
         """The same skill to another goal (6, 3), m."""
         return replace(self, goal=np.array(goal, dtype=float))
 
+    def with_goal_orientation(self, goal) -> "Skill":
+        """The same skill to another orientation (4,), a quaternion w x y z.
+
+        Raises:
+            SkillError: this skill has no orientation.
+        """
+        if self.orientation is None:
+            raise SkillError("skill: it has no orientation whose goal could change; learn it from one that has")
+        return replace(self, orientation=self.orientation.with_goal(goal))
+
     def save(self, path: Path) -> None:
         """Write the skill as JSON; numbers survive a round trip to the last bit.
 
@@ -123,6 +139,9 @@ class Skill:
         for name, value in (("spread_m", self.spread), ("mobility", self.mobility)):
             if value is not None:
                 document[name] = np.asarray(value).tolist()
+        if self.orientation is not None:
+            own = self.orientation
+            document["orientation"] = {name: np.asarray(value).tolist() for name, value in vars(own).items()}
         try:
             with Path(path).open("x", encoding="utf-8") as file:
                 json.dump(document, file, indent=1)
@@ -164,6 +183,7 @@ class Skill:
                 source=str(document["source"]),
                 spread=_optional(document, "spread_m"),
                 mobility=_optional(document, "mobility"),
+                orientation=_orientation(document),
             )
         except SkillError as error:
             raise SkillError(f"{path}: {error}") from error
@@ -173,3 +193,10 @@ class Skill:
 
 def _optional(document: dict, name: str) -> np.ndarray | None:
     return np.array(document[name], dtype=float) if document.get(name) is not None else None
+
+
+def _orientation(document: dict) -> OrientationSkill | None:
+    own = document.get("orientation")
+    if own is None:
+        return None
+    return OrientationSkill(**{name: np.array(own[name], dtype=float) for name in ("weights", "start", "goal")})

@@ -5,6 +5,7 @@ import pytest
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
+from drake_blfdmp.quaternions import from_rotation_vector
 from drake_blfdmp.robot.retargeting import Retarget, retarget_motion
 from drake_blfdmp.systems.retargeting import Retargeting
 
@@ -44,6 +45,8 @@ def test_ports_have_their_names_and_sizes(system):
         ("position", 18),
         ("velocity", 18),
         ("tempo", 1),
+        ("orientation", 4),
+        ("angular_velocity", 3),
     ]
     ports = [system.get_output_port(i) for i in range(system.num_output_ports())]
     assert [(port.get_name(), port.size()) for port in ports] == list(zip(NAMES, (14, 12, 2, 2), strict=True))
@@ -66,6 +69,25 @@ def test_a_tempo_turns_rates_of_the_skills_clock_into_rates_in_the_world(system)
     system.GetInputPort("tempo").FixValue(context, 0.3)
     for value, wanted in zip(outputs(system, context), expected(x, 0.3 * velocity), strict=True):
         np.testing.assert_allclose(value, wanted, atol=1e-14)
+
+
+def test_the_palms_roll_with_what_is_held(system):
+    context = system.CreateDefaultContext()
+    x, velocity = motion(4)
+    fix(system, context, x, velocity)
+    turn, rate = from_rotation_vector(np.array([0.6, 0.1, -0.2])), np.array([0.3, -0.1, 0.2])
+    system.GetInputPort("orientation").FixValue(context, turn)
+    system.GetInputPort("angular_velocity").FixValue(context, rate)
+    wanted = [np.ravel(value) for value in retarget_motion(x, velocity, MAP, turn=turn, turn_rate=rate)]
+    for value, one in zip(outputs(system, context), wanted, strict=True):
+        np.testing.assert_allclose(value, one, atol=1e-14)
+    assert not np.allclose(wanted[0], expected(x, velocity)[0], atol=0.1)
+    system.GetInputPort("angular_velocity").FixValue(context, 0 * rate)  # One changed input is noticed.
+    assert not np.allclose(system.GetOutputPort("palm_twists").Eval(context), wanted[1])
+    system.GetInputPort("angular_velocity").FixValue(context, rate)
+    system.GetInputPort("tempo").FixValue(context, 0.3)
+    slowed = retarget_motion(x, 0.3 * velocity, MAP, turn=turn, turn_rate=0.3 * rate)
+    np.testing.assert_allclose(system.GetOutputPort("palm_twists").Eval(context), slowed[1].ravel(), atol=1e-14)
 
 
 @pytest.mark.parametrize("first", NAMES)

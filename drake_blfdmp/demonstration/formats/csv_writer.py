@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from drake_blfdmp.demonstration.demonstration import Recording
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 _SAMPLES_AT_ONCE = 4096
 
@@ -20,7 +20,8 @@ def joint_of(point: str) -> str:
 
 
 def write_csv(path: Path, recording: Recording) -> None:
-    """Writes a new file: positions, and `ShoulderLeftConfidence` and so on where the sensor told any.
+    """Writes a new file: positions, `ShoulderLeftConfidence` and so on where the sensor told any, and the hands'
+    orientations as `WristLeftQw` to `WristRightQz` where there are any.
 
     Raises:
         OSError: the file exists or cannot be written.
@@ -32,6 +33,9 @@ def write_csv(path: Path, recording: Recording) -> None:
     if recording.confidence is not None:
         header += [f"{joint}Confidence" for joint in joints]
         tables.append(recording.confidence)
+    if recording.orientations is not None:
+        header += [f"{joint_of(POINTS[wrist])}Q{axis}" for wrist in WRISTS for axis in "wxyz"]
+        tables.append(recording.orientations.reshape(n, -1))
     with path.open("x", encoding="utf-8", newline="\n") as file:
         file.write(",".join(header) + "\n")
         for start in range(0, n, _SAMPLES_AT_ONCE):

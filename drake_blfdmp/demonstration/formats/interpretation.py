@@ -9,6 +9,7 @@ from drake_blfdmp.demonstration.clock import SECONDS, find_clock
 from drake_blfdmp.demonstration.demonstration import Recording
 from drake_blfdmp.demonstration.formats.recording_format import Joints
 from drake_blfdmp.demonstration.length_unit import METRES, find_length_unit
+from drake_blfdmp.demonstration.orientation_cleaning import describe_orientations, turning_orientations
 from drake_blfdmp.demonstration.people import choose_person
 from drake_blfdmp.demonstration.raw_recording import RawRecording
 from drake_blfdmp.errors import RecordingError
@@ -64,6 +65,7 @@ def interpret(path: Path, format_name: str, raw: RawRecording, options: ReadOpti
     person = choose_person(where, raw.bodies, options.body)
     body = person.body
     frames, t, confidence = np.asarray(body.frames), body.t, body.confidence
+    orientations = None if body.orientations is None else turning_orientations(body.orientations)
     x = np.asarray(body.x, float)
     if len(x) == 0:
         raise RecordingError(f"{where}: holds a header but no samples; export the recording again")
@@ -93,6 +95,7 @@ def interpret(path: Path, format_name: str, raw: RawRecording, options: ReadOpti
             )
         seconds, x, frames = seconds[keep], x[keep], frames[keep]
         confidence = None if confidence is None else confidence[keep]
+        orientations = None if orientations is None else orientations[keep]
     length = find_length_unit(where, x, frames, stated=raw.unit, given=options.unit)
     evidence = [
         "synthetic: the file says that no person was recorded" if raw.synthetic else "",
@@ -100,6 +103,7 @@ def interpret(path: Path, format_name: str, raw: RawRecording, options: ReadOpti
         clock.evidence,
         person.evidence,
         *raw.notes,
+        describe_orientations(orientations),
     ]
     if raw.empty_frames:
         evidence.append(f"{raw.empty_frames} frames hold no person")
@@ -113,6 +117,7 @@ def interpret(path: Path, format_name: str, raw: RawRecording, options: ReadOpti
         frames=frames,
         synthetic=raw.synthetic,
         confidence=confidence,
+        orientations=orientations,
         up=raw.up,
         evidence=tuple(sentence for sentence in evidence if sentence),
     )

@@ -265,7 +265,7 @@ def test_wrists_come_before_hands_and_people_must_be_whole():
 
 
 def test_nobody_says_what_there_is():
-    track = Track(np.zeros(1, int), np.zeros(1, int), np.zeros((1, 3)), np.zeros((1, 4)))
+    track = Track(np.zeros(1, int), np.zeros(1, int), np.zeros((1, 3)), np.zeros((1, 4)), np.zeros((1, 4)))
     tracks = {MarkerKey("world", f"cone {k}", k, 2, "", 0, -1): track for k in range(3)}
     with pytest.raises(RecordingError, match="a: nothing is named like .*the file has cone 0, cone 1, cone 2"):
         sort_markers("a", tracks, None)

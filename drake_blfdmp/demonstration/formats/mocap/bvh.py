@@ -8,7 +8,7 @@ Format: Meredith, Maddock, "Motion capture file formats explained", University o
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -27,7 +27,7 @@ from drake_blfdmp.demonstration.formats.text import head_lines, numbered_lines
 from drake_blfdmp.demonstration.length_unit import METRES
 from drake_blfdmp.demonstration.raw_recording import Body, RawRecording
 from drake_blfdmp.errors import RecordingError
-from drake_blfdmp.skeleton import POINTS, SHOULDERS
+from drake_blfdmp.skeleton import POINTS, SHOULDERS, WRISTS
 
 _HEADER_LINES = 50_000
 _CMU = 0.0254 / 0.45  # m, the unit of the CMU set, whose bones no metric unit fits.
@@ -83,7 +83,8 @@ class Bvh:
             names=names,
         )
         frames = np.arange(len(table.lines))
-        positions = _forward_kinematics(header.joints, moving, table.numbers, len(frames))
+        wrists = {person[k] for person in chosen.values() for k in WRISTS}
+        positions, turns = _forward_kinematics(header.joints, moving, table.numbers, len(frames), wrists)
         notes = []
         if header.promised is not None and header.promised != len(frames):
             notes.append(f"the header promises {header.promised} frames, the file holds {len(frames)}")
@@ -94,7 +95,7 @@ class Bvh:
             if _is_cmu(x):
                 x = x * _CMU
                 notes.append("unit: lengths in 1/0.45 inch, as in the CMU set; they are given in m here")
-            bodies[person] = Body(x, frames)
+            bodies[person] = Body(x, frames, orientations=np.stack([turns[indices[k]] for k in WRISTS], axis=1))
         return RawRecording(bodies, clock_hz=header.rate_hz, up=ups[0], notes=tuple(dict.fromkeys(notes)))
 
 
@@ -162,9 +163,17 @@ def _people(path: Path, skeleton: Sequence[Joint], joints: Joints | None) -> dic
 
 
 def _forward_kinematics(
-    skeleton: Sequence[Joint], moving: Sequence[int], channels: dict[int, np.ndarray], count: int
-) -> dict[int, np.ndarray]:
-    """Joint -> (N, 3) its origin in the world, in the file's unit, for `moving` joints (parents before children)."""
+    skeleton: Sequence[Joint],
+    moving: Sequence[int],
+    channels: dict[int, np.ndarray],
+    count: int,
+    wanted: Set[int],
+) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray]]:
+    """Joint -> (N, 3) its origin in the world, in the file's unit, for `moving` joints (parents before children).
+
+    And joint -> (N, 4) its orientation there, w x y z, NaN where missing, for the `wanted` ones among them.
+    """
+    turns = {index: np.empty((count, 4)) for index in wanted}
     positions = {index: np.empty((count, 3)) for index in moving}
     replaces = {index: _replaces_offset(skeleton[index], channels) for index in moving}
     with np.errstate(all="ignore"):  # Absurd numbers become infinite, and are missing then.
@@ -196,7 +205,11 @@ def _forward_kinematics(
                     lost |= lost_before
                 positions[index][block] = local
                 turned[index] = turn, lost
-    return positions
+                if index in turns:
+                    q = np.roll(turn.as_quat(), 1, axis=-1)
+                    q[lost] = np.nan
+                    turns[index][block] = q
+    return positions, turns
 
 
 def _turn(axes: str, angles: Sequence[np.ndarray], count: int) -> Rotation:

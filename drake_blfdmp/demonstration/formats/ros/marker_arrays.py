@@ -15,7 +15,7 @@ from drake_blfdmp.demonstration.formats.ros.ros_frames import up_of
 from drake_blfdmp.demonstration.formats.ros.ros_topics import MARKER, Topic, times_of
 from drake_blfdmp.demonstration.raw_recording import Body, RawRecording
 from drake_blfdmp.errors import RecordingError
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 _CONFIDENCE = {(0, 1, 0): 1.0, (0, 0, 1): 0.5, (1, 0, 0): 0.0}  # By red, green, blue.
 
@@ -85,6 +85,7 @@ def _body(points: list[list[Track]], log_ns: np.ndarray, told: bool, alpha: bool
     frames = np.unique(np.concatenate([track.message for tracks in points for track in tracks]))
     x = np.full((len(frames), len(POINTS), 3), np.nan)
     confidence = np.zeros((len(frames), len(POINTS)))
+    turns = np.full((len(frames), len(POINTS), 4), np.nan)
     stamp_ns = np.zeros(len(frames), np.int64)
     for point, tracks in enumerate(points):
         for track in tracks:
@@ -92,10 +93,13 @@ def _body(points: list[list[Track]], log_ns: np.ndarray, told: bool, alpha: bool
             # (0, 0, 0) stands for a joint not seen: no joint lies in a sensor.
             x[row, point] = np.where(np.all(track.x == 0.0, axis=1, keepdims=True), np.nan, track.x)
             confidence[row, point] = track.rgba[:, 3] if alpha else _confidence(track.rgba)
+            turns[row, point] = track.turn
             stamp_ns[row] = track.stamp_ns
+    turns[~np.isfinite(x).all(axis=-1)] = np.nan
     confidence[~np.isfinite(x).all(axis=-1)] = 0.0
     t, note = times_of(stamp_ns, log_ns[frames])
-    return Body(x, frames, t, np.clip(np.nan_to_num(confidence), 0.0, 1.0) if told else None), note
+    confidence = np.clip(np.nan_to_num(confidence), 0.0, 1.0) if told else None
+    return Body(x, frames, t, confidence, turns[:, WRISTS]), note
 
 
 def _confidence(rgba: np.ndarray) -> np.ndarray:

@@ -38,12 +38,16 @@ class MarkerKey(NamedTuple):
 
 
 class Track(NamedTuple):
-    """One marker: numbers of its messages (n,), stamps (n,) ns, positions (n, 3) m, colours (n, 4) from 0 to 1."""
+    """One marker: numbers of its messages (n,), stamps (n,) ns, positions (n, 3) m, colours (n, 4) from 0 to 1.
+
+    And its orientations (n, 4), w x y z, of any length.
+    """
 
     message: np.ndarray
     stamp_ns: np.ndarray
     x: np.ndarray
     rgba: np.ndarray
+    turn: np.ndarray
 
 
 class _Marker(NamedTuple):
@@ -73,14 +77,14 @@ def read_tracks(topic: Topic) -> dict[MarkerKey, Track]:
     for markers, numbers, raw in alike(topic.messages, walk):
         for marker in markers:
             stamp_ns, rgba = stamps(raw, marker.stamp, topic.cdr), columns(raw, marker.rgba, 4, "<f4")
-            if marker.key.type in _ONE_POSE:
-                x = columns(raw, marker.pose, 3, "<f8")
-                parts.setdefault(marker.key, []).append(Track(numbers, stamp_ns, x, rgba))
-                continue
             pose = columns(raw, marker.pose, 7, "<f8")
+            turn = pose[:, [6, 3, 4, 5]]
+            if marker.key.type in _ONE_POSE:
+                parts.setdefault(marker.key, []).append(Track(numbers, stamp_ns, pose[:, :3], rgba, turn))
+                continue
             points = columns(raw, marker.points, 3 * marker.count, "<f8").reshape(len(raw), marker.count, 3)
             for k, x in enumerate(_in_frame(pose, points).transpose(1, 0, 2)):
-                parts.setdefault(marker.key._replace(point=k), []).append(Track(numbers, stamp_ns, x, rgba))
+                parts.setdefault(marker.key._replace(point=k), []).append(Track(numbers, stamp_ns, x, rgba, turn))
     return {key: _joined(tracks) for key, tracks in parts.items()}
 
 

@@ -2,7 +2,8 @@
 
 Each point is a sphere whose namespace is its name in `skeleton.POINTS`; a missing point is left out. The headers'
 stamps are the recording's times, the messages' sequence numbers its frame numbers. The alpha of the colour is the
-sensor's confidence, where it told any. The bytes depend on the recording alone.
+sensor's confidence, where it told any; the poses of the wrists' spheres have the hands' orientations, where there are
+any, and 0 0 0 0 for one that is missing. The bytes depend on the recording alone.
 """
 
 from functools import lru_cache
@@ -17,7 +18,7 @@ from drake_blfdmp.demonstration.formats.ros.ros_bag import OWN_METADATA, SKELETO
 from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.ros2.cdr import CdrTemplate
 from drake_blfdmp.ros2.messages import DEFINITIONS, MARKERS, Sphere, spheres_template
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 _FRAMES = {"z": "world", "-y": "camera_optical_frame"}  # What REP 103 and 105 call frames with these axes up.
 _FRAME = "recording"
@@ -40,6 +41,11 @@ def write_mcap(path: Path, recording: Recording) -> None:
         )
     frame = _FRAMES.get(recording.up or "", _FRAME)
     told = recording.confidence is not None
+    turning = np.isin(np.arange(len(POINTS)), WRISTS) & (recording.orientations is not None)
+    values = [recording.x[:, k] for k in range(len(POINTS))]
+    if recording.orientations is not None:
+        for hand, k in enumerate(WRISTS):
+            values[k] = np.hstack([values[k], np.nan_to_num(recording.orientations[:, hand][:, [1, 2, 3, 0]])])
     confidence = np.ones(recording.x.shape[:2]) if recording.confidence is None else recording.confidence.astype(float)
 
     @lru_cache(maxsize=1024)
@@ -47,7 +53,7 @@ def write_mcap(path: Path, recording: Recording) -> None:
         """The message of those points that are seen, by their confidences."""
         alpha = np.frombuffer(alphas)
         spheres = [
-            Sphere(POINTS[k], 0, _DIAMETER, (*_COLOURS[POINTS[k].split("_")[0]], float(alpha[k])))
+            Sphere(POINTS[k], 0, _DIAMETER, (*_COLOURS[POINTS[k].split("_")[0]], float(alpha[k])), turning[k])
             for k in np.flatnonzero(np.frombuffer(seen, bool))
         ]
         return spheres_template(frame, spheres, lifetime_ns=_LIFETIME_NS)
@@ -72,7 +78,10 @@ def write_mcap(path: Path, recording: Recording) -> None:
         schema = writer.register_schema(name=MARKERS, encoding="ros2msg", data=DEFINITIONS[MARKERS].encode())
         channel = writer.register_channel(topic=SKELETON_TOPIC, message_encoding="cdr", schema_id=schema)
         for k, (seen, alphas) in enumerate(zip(finite, confidence, strict=True)):
-            message = template(seen.tobytes(), alphas.tobytes()).encode(int(t_ns[k]), recording.x[k, seen])
+            numbers = (
+                np.concatenate([values[point][k] for point in np.flatnonzero(seen)]) if seen.any() else np.empty(0)
+            )
+            message = template(seen.tobytes(), alphas.tobytes()).encode(int(t_ns[k]), numbers)
             writer.add_message(
                 channel,
                 log_time=int(log_ns[k]),

@@ -11,7 +11,7 @@ from drake_blfdmp.demonstration.formats.ros.joint_vectors import has_points, nam
 from drake_blfdmp.demonstration.formats.ros.marker_arrays import read_markers
 from drake_blfdmp.demonstration.formats.ros.ros_topics import JOINT_STATE, MARKER, MARKER_ARRAY, TF, Bag, Topic
 from drake_blfdmp.demonstration.formats.ros.transforms import read_transforms
-from drake_blfdmp.demonstration.raw_recording import Body, RawRecording
+from drake_blfdmp.demonstration.raw_recording import RawRecording
 from drake_blfdmp.errors import RecordingError
 
 OWN_METADATA = "recording"  # The metadata record of files that `mcap_writer` made.
@@ -64,7 +64,7 @@ def _read(bag: Bag, group: list[Topic], joints: Joints | None) -> RawRecording:
     if not own:
         return raw
     numbers = np.array(topic.sequence)
-    bodies = {name: Body(body.x, numbers[body.frames], body.t, body.confidence) for name, body in raw.bodies.items()}
+    bodies = {name: replace(body, frames=numbers[body.frames]) for name, body in raw.bodies.items()}
     up = own.get("up") if own.get("up") in _AXES else raw.up
     return replace(raw, bodies=bodies, up=up, synthetic=_synthetic(own))
 

@@ -19,7 +19,8 @@ from drake_blfdmp.demonstration.formats.ros.ros_frames import up_of
 from drake_blfdmp.demonstration.formats.ros.ros_topics import Topic, printable, times_of
 from drake_blfdmp.demonstration.raw_recording import Body, RawRecording
 from drake_blfdmp.errors import RecordingError
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.quaternions import multiply, normalised
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 
 class Transform(NamedTuple):
@@ -55,9 +56,9 @@ def read_transforms(where: str, topics: Sequence[Topic], joints: Joints | None) 
         raise RecordingError(f"{where}: all transforms are static; record the topic /tf")
     bodies, roots = {}, set()
     for rest, frames in found.items():
-        samples, root = _samples(where, tree, [frames[point] for point in POINTS])
+        samples, turns, root = _samples(where, tree, [frames[point] for point in POINTS])
         roots.add(root)
-        bodies[rest or "0"] = _rows(samples)
+        bodies[rest or "0"] = _rows(samples, turns)
     return RawRecording(
         bodies,
         unit="m",  # REP 103: lengths in ROS are in metres.
@@ -125,9 +126,12 @@ def _walk(reader, cdr: bool) -> list[tuple[str, str, int, int]]:
 
 def _samples(
     where: str, tree: dict[str, Transform], frames: Sequence[str]
-) -> tuple[list[tuple[np.ndarray, np.ndarray]], str]:
-    """Times (n,) ns and positions (n, 3) of each frame's origin in the root, and the root's name."""
-    samples, roots = [], []
+) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[np.ndarray], str]:
+    """Times (n,) ns and positions (n, 3) of each frame's origin in the root, its turns (n, 4) there, the root's name.
+
+    Turns are quaternions w x y z.
+    """
+    samples, turns, roots = [], [], []
     for frame in frames:
         chain, name = [], frame
         while name in tree:
@@ -142,17 +146,20 @@ def _samples(
             raise RecordingError(f"{where}: frame {frame} never moves in {name}; record the topic /tf")
         # Numbers that are none are NaN afterwards, without a word: they count as missing.
         with np.errstate(over="ignore", invalid="ignore"):
-            x, _ = _at(chain[0], clock)
+            x, turn = _at(chain[0], clock)
+            turn = normalised(np.roll(turn, 1, axis=-1))
             for transform in chain[1:]:
                 p, q = _at(transform, clock)
                 x = np.einsum("nij,nj->ni", _matrices(q), x) + p
+                turn = multiply(normalised(np.roll(q, 1, axis=-1)), turn)
         samples.append((clock, x))
+        turns.append(turn)
     if len(set(roots)) > 1:
         raise RecordingError(
             f"{where}: the frames' trees have different roots ({', '.join(sorted(set(roots)))}); "
             "record /tf_static, too, or name frames of one tree with joints"
         )
-    return samples, roots[0]
+    return samples, turns, roots[0]
 
 
 def _matrices(q: np.ndarray) -> np.ndarray:
@@ -183,8 +190,8 @@ def _between(a: np.ndarray, b: np.ndarray, w: np.ndarray) -> np.ndarray:
     return np.where(w == 0.0, a, np.where(w == 1.0, b, a + w * (b - a)))
 
 
-def _rows(samples: Sequence[tuple[np.ndarray, np.ndarray]]) -> Body:
-    """One row an instant from the six points' own samples."""
+def _rows(samples: Sequence[tuple[np.ndarray, np.ndarray]], turns: Sequence[np.ndarray]) -> Body:
+    """One row an instant from the six points' own samples; of their turns those of the wrists are kept."""
     t_ns = np.concatenate([t for t, _ in samples])
     point = np.repeat(np.arange(len(POINTS)), [len(t) for t, _ in samples])
     order = np.argsort(t_ns, kind="stable")
@@ -202,5 +209,7 @@ def _rows(samples: Sequence[tuple[np.ndarray, np.ndarray]]) -> Body:
         row[k] = current
     rows = np.full((current + 1, len(POINTS), 3), np.nan)
     rows[row, point] = x
+    turned = np.full((current + 1, len(POINTS), 4), np.nan)
+    turned[row, point] = np.concatenate(turns)[order]
     first = np.searchsorted(row, np.arange(current + 1))
-    return Body(rows, np.arange(current + 1), t_ns[first] / 1e9)
+    return Body(rows, np.arange(current + 1), t_ns[first] / 1e9, orientations=turned[:, WRISTS])

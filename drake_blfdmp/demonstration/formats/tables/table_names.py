@@ -49,6 +49,13 @@ _CONFIDENCE_LAST = re.compile(rf"(?P<stem>.+?)(?:[\s_.:/\-\[(]*{_CONFIDENCE_WORD
 _CONFIDENCE_FIRST = re.compile(rf"{_CONFIDENCE_WORD}[\s_.:/\-]+(?P<stem>.+)", re.I)
 
 
+_QUATERNION = re.compile(
+    r"(?P<stem>.+?)[\s_.:/\-\[(]*(?:(?:q|quat|quaternion|rot|rotation|orient|orientation|ori)[\s_.:/\-]*(?P<axis>[wxyz])"
+    r"|(?P<first>[wxyz])[\s_.:/\-]*quat(?:ernion)?)[\])]?",
+    re.I,
+)
+
+
 class JointColumns(NamedTuple):
     """A joint's columns x, y and z, and the unit that their names state."""
 
@@ -61,11 +68,25 @@ def plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
+def quaternions_of(names: Sequence[str]) -> dict[str, tuple[int, int, int, int]]:
+    """Normalised name of a joint -> its columns w, x, y and z, for the joints that have all four of a quaternion."""
+    found: dict[str, dict[str, int]] = {}
+    for column, name in enumerate(names):
+        match = _QUATERNION.fullmatch(name)
+        if match:
+            axis = (match["axis"] or match["first"]).lower()
+            found.setdefault(normalise(match["stem"]), {}).setdefault(axis, column)
+    return {stem: (axes["w"], axes["x"], axes["y"], axes["z"]) for stem, axes in found.items() if len(axes) == 4}
+
+
 def joints_of(names: Sequence[str]) -> dict[str, JointColumns]:
     """Stem -> its three columns, for the stems that have all of x, y and z."""
     found: dict[str, dict[str, int]] = {}
     units: dict[str, str | None] = {}
+    turns = {column for columns in quaternions_of(names).values() for column in columns}
     for column, name in enumerate(names):
+        if column in turns:
+            continue
         match = _AXIS_LAST.fullmatch(name) or _AXIS_FIRST.fullmatch(name)
         if match:
             found.setdefault(match["stem"], {}).setdefault(match["axis"].lower(), column)

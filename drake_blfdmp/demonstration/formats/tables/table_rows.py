@@ -66,7 +66,12 @@ def confidence_values(table: Columns, columns: Sequence[int | None]) -> np.ndarr
 
 
 def split_people(
-    words: Words | None, x: np.ndarray, t: np.ndarray | None, frames: np.ndarray | None, confidence: np.ndarray | None
+    words: Words | None,
+    x: np.ndarray,
+    t: np.ndarray | None,
+    frames: np.ndarray | None,
+    confidence: np.ndarray | None,
+    orientations: np.ndarray | None = None,
 ) -> tuple[dict[str, Body], int]:
     """Each person's rows, and the number of rows that hold nobody.
 
@@ -76,6 +81,7 @@ def split_people(
         t: (N,) or None.
         frames: (N,) or None, which counts the rows, or the different times where several people share them.
         confidence: (N, 6) or None.
+        orientations: (N, 2, 4) or None.
     """
     if words is None or (len(words.known) > 1 and 2 * len(words.known) > len(words.index)):
         words = Words(np.zeros(len(x), dtype=int), ["0"])
@@ -94,6 +100,7 @@ def split_people(
                 np.arange(count) if frames is None else frames[rows],
                 None if t is None else t[rows],
                 None if confidence is None else confidence[rows],
+                None if orientations is None else orientations[rows],
             )
     return bodies, int(nobody.sum())
 

@@ -1,12 +1,13 @@
 """Tables with a header: one row a sample, three columns a joint, in any order and with any other columns between.
 
 Columns are a joint's name and an axis: `WristLeftX`, `left_wrist_x`, `LWrist.x`, `x_LWrist`, optionally with
-a unit, `WristLeftX (mm)`; or a header of two rows, joints above axes. Columns for time, frame number, person and
-confidence (`WristLeft_state`) are used where they are there. Vicon's and Qualisys' text tables are such tables.
+a unit, `WristLeftX (mm)`; or a header of two rows, joints above axes. Columns for time, frame number, person,
+confidence (`WristLeft_state`) and the wrists' or hands' orientations (`WristLeftQw` to `Qz`, `HandLeft_qw`) are used
+where they are there. Vicon's and Qualisys' text tables are such tables.
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from drake_blfdmp.demonstration.formats.tables.table_names import (
     confidence_columns,
     frame_column,
     joints_of,
+    quaternions_of,
     time_column,
 )
 from drake_blfdmp.demonstration.formats.tables.table_rows import (
@@ -31,11 +33,11 @@ from drake_blfdmp.demonstration.formats.tables.table_rows import (
     frame_values,
     split_people,
 )
-from drake_blfdmp.demonstration.formats.tables.tables import count_frames, read_columns
+from drake_blfdmp.demonstration.formats.tables.tables import Columns, count_frames, read_columns
 from drake_blfdmp.demonstration.formats.text import head_lines, numbered_lines
 from drake_blfdmp.demonstration.raw_recording import RawRecording
 from drake_blfdmp.errors import RecordingError
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 
 class WideCsv:
@@ -67,7 +69,8 @@ class WideCsv:
         if nameless:
             time = 0  # An index, as of pandas.
         dialect, rows = first_rows(numbered_lines(path, header.line + 1), len(names))
-        optional = {c for c in (time, frame, *points.confidence) if c is not None}
+        turns = [column for columns in points.orientations for column in columns or ()]
+        optional = {c for c in (time, frame, *points.confidence, *turns) if c is not None}
         words = columns_of_words(rows, optional) | ({person} - {None})
         numbers = dict.fromkeys([*points.columns, *(optional - words)])
         table = read_columns(
@@ -79,7 +82,10 @@ class WideCsv:
         if nameless and t is not None and count_frames(t):
             t, frames = None, t.astype(int)
         confidence, said = confidence_of_numbers(confidence_values(table, points.confidence), x)
-        bodies, empty = split_people(table.words[person] if person is not None else None, x, t, frames, confidence)
+        orientations = _orientations(table, points.orientations, len(x))
+        bodies, empty = split_people(
+            table.words[person] if person is not None else None, x, t, frames, confidence, orientations
+        )
         return RawRecording(
             bodies,
             unit=points.unit or header.unit,
@@ -92,10 +98,11 @@ class WideCsv:
 
 
 class _Points(NamedTuple):
-    """The 18 columns of the points, those of their confidence, and what their names tell."""
+    """The 18 columns of the points, those of their confidence and of the hands' orientations, and what names tell."""
 
     columns: list[int]
     confidence: list[int | None]
+    orientations: list[tuple[int, int, int, int] | None]
     unit: str | None
     up: str | None
     note: str
@@ -131,7 +138,34 @@ def _find_points(path: Path, names: Sequence[str], joints: Joints | None) -> _Po
     units.discard(None)
     if len(units) > 1:
         raise RecordingError(f"{path}: columns in different units ({', '.join(sorted(map(str, units)))}); give unit")
-    return _Points(columns, confidence, next(iter(units), None), up, note)
+    return _Points(columns, confidence, _quaternions(names, chosen), next(iter(units), None), up, note)
+
+
+def _quaternions(
+    names: Sequence[str], chosen: Mapping[str, str | Sequence[str]]
+) -> list[tuple[int, int, int, int] | None]:
+    """The columns of left and right hand's orientation: the wrist's, or else those of a joint called hand."""
+    found = quaternions_of(names)
+    columns = []
+    for wrist in WRISTS:
+        side = POINTS[wrist].split("_")[0]
+        name = chosen[POINTS[wrist]]
+        stems = [normalise(name)] if isinstance(name, str) else []
+        stems += [stem for stem in guess(found).values() if guess([stem]).get(POINTS[wrist])]
+        stems += [f"hand{side}", f"{side}hand"]
+        columns.append(next((found[stem] for stem in stems if stem in found), None))
+    return columns
+
+
+def _orientations(table: Columns, columns: Sequence[Sequence[int] | None], count: int) -> np.ndarray | None:
+    """The hands' orientations (N, 2, 4); None where no column has any."""
+    if not any(columns):
+        return None
+    q = np.full((count, 2, 4), np.nan)
+    for hand, own in enumerate(columns):
+        if own is not None and all(column in table.numbers for column in own):
+            q[:, hand] = np.stack([table.numbers[column] for column in own], axis=-1)
+    return q
 
 
 def _named_by_number(
