@@ -9,7 +9,9 @@ from drake_blfdmp.demonstration.bones import BONES, estimate_bone_lengths, lengt
 from drake_blfdmp.demonstration.cleaning import CleaningOptions, clean
 from drake_blfdmp.demonstration.demonstration import Demonstration, Recording
 from drake_blfdmp.demonstration.grasp import grasp_and_release
+from drake_blfdmp.demonstration.hand_orientation import turn_since
 from drake_blfdmp.demonstration.holding import Holding, find_holding
+from drake_blfdmp.demonstration.orientation_cleaning import has_orientation
 from drake_blfdmp.demonstration.timing import LONGEST_MOTION_S
 from drake_blfdmp.demonstration.torso_frame import CUTOFF_HZ, low_pass, to_torso_frame
 from drake_blfdmp.errors import RecordingError
@@ -73,12 +75,16 @@ class LengthHealth:
 
 @dataclass(frozen=True)
 class HoldingHealth:
-    """When both hands hold, s from the cleaned recording's start; their median distance and its wobble (1 sigma), m."""
+    """When both hands hold, s from the cleaned recording's start; their median distance and its wobble (1 sigma), m.
+
+    `turn_deg` is how far they turn what they hold about the line between them; None without orientations.
+    """
 
     start_s: float
     end_s: float
     hand_distance_m: float
     wobble_m: float
+    turn_deg: float | None = None
 
 
 @dataclass(frozen=True)
@@ -89,6 +95,7 @@ class Health:
         source, format: of the recording.
         evidence: how the file was understood, in sentences.
         clock, points, lengths: in numbers; points and lengths by their names in `skeleton`.
+        orientations: shares of the frames with the left and the right hand's orientation; None where there are none.
         repairs: what cleaning did, name -> count; empty where it refused.
         notes: what cleaning chose, in sentences.
         bones_m: upper arm and forearm, the estimate cleaning works with; None where it refused.
@@ -106,6 +113,7 @@ class Health:
     clock: ClockHealth
     points: dict[str, PointHealth]
     lengths: dict[str, LengthHealth]
+    orientations: tuple[float, float] | None = None
     repairs: dict[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     bones_m: tuple[float, float] | None = None
@@ -162,6 +170,7 @@ def examine(recording: Recording, options: CleaningOptions | None = None) -> Exa
         clock=clock,
         points=points,
         lengths=lengths_health(recording.x),
+        orientations=_orientations(recording),
         repairs=dict(demonstration.repairs) if demonstration else {},
         notes=demonstration.notes if demonstration else (),
         bones_m=_bones(demonstration),
@@ -239,7 +248,21 @@ def _points_health(recording: Recording, demonstration: Demonstration | None) ->
 def _holding_health(demonstration: Demonstration, holding: Holding) -> HoldingHealth:
     held = (demonstration.t >= holding.start_s) & (demonstration.t <= holding.end_s)
     wobble = float(np.std(link_lengths(demonstration.x[held])[:, HANDS]))
-    return HoldingHealth(holding.start_s, holding.end_s, holding.hand_distance, wobble)
+    return HoldingHealth(holding.start_s, holding.end_s, holding.hand_distance, wobble, _turn(demonstration, holding))
+
+
+def _turn(demonstration: Demonstration, holding: Holding) -> float | None:
+    """How far what is held is turned about the line between the hands at most, degrees."""
+    t = demonstration.t[(demonstration.t >= holding.start_s) & (demonstration.t <= holding.end_s)]
+    turn = turn_since(demonstration, t, holding.start_s, CUTOFF_HZ)
+    return None if turn is None else float(np.rad2deg(np.abs(2.0 * np.arctan2(turn[:, 1], turn[:, 0])).max()))
+
+
+def _orientations(recording: Recording) -> tuple[float, float] | None:
+    if recording.orientations is None:
+        return None
+    left, right = has_orientation(recording.orientations).mean(axis=0)
+    return float(left), float(right)
 
 
 def _bones(demonstration: Demonstration | None) -> tuple[float, float] | None:

@@ -33,6 +33,11 @@ def health_text(health: Health, command: Sequence[str] = ()) -> str:
             f"{name:<16}{length.mean_m:>7.3f} m{length.std_m:>8.3f} m{length.min_m:>8.3f} m{length.max_m:>8.3f} m"
             f"{length.jumps:>7d}"
         )
+    if health.orientations is None:
+        lines.append("orientations of the hands: none, so a box keeps its pitch")
+    else:
+        left, right = (100 * share for share in health.orientations)
+        lines.append(f"orientations of the hands: left in {left:.0f} %, right in {right:.0f} % of the frames")
     lines.append("")
     if health.bones_m is not None:
         repairs = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in health.repairs.items() if n)
@@ -47,6 +52,9 @@ def health_text(health: Health, command: Sequence[str] = ()) -> str:
             f"held in both hands from {held.start_s:.2f} to {held.end_s:.2f} s, {held.hand_distance_m:.3f} m apart, "
             f"wobble {1000 * held.wobble_m:.0f} mm: a box {held.hand_distance_m:.2f} m wide"
         )
+    if health.holding is not None and health.holding.turn_deg is not None:
+        turn = health.holding.turn_deg
+        lines.append(f"turned about the line between the hands by up to {turn:.0f} degrees meanwhile")
     lines += ["", "verdict: " + ("a two-handed skill can be learned" if health.suitable else "not as it stands")]
     lines += [line for reason in health.reasons for line in _wrapped(reason)]
     if command and (health.suitable or health.settings):

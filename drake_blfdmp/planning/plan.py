@@ -152,9 +152,8 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         task = MakeTask(scenario, source, motion, stretch)
         coupled = RollOutTask(scenario, task)
     grasped, released = (IndexAt(coupled, t) for t in task.held)
-    ends = [grasped, released]
-    turn = None if coupled.turn is None else coupled.turn[ends]
-    poses = BelowPalms(box_pose(coupled.x[ends], reach.retarget, turn), scenario.task.grasp_above)
+    # At both ends it stands on a table: turned about the line between the palms by no more than the skill's fit errs.
+    poses = BelowPalms(box_pose(coupled.x[[grasped, released]], reach.retarget), scenario.task.grasp_above)
     yaws = _yaws(coupled, task, reach.retarget)
     if same_level:
         poses[1, 6] = poses[0, 6]

@@ -50,7 +50,7 @@ _CONFIDENCE_FIRST = re.compile(rf"{_CONFIDENCE_WORD}[\s_.:/\-]+(?P<stem>.+)", re
 
 
 _QUATERNION = re.compile(
-    r"(?P<stem>.+?)[\s_.:/\-\[(]*(?:(?:q|quat|quaternion|rot|rotation|orient|orientation|ori)[\s_.:/\-]*(?P<axis>[wxyz])"
+    r"(?P<stem>.+?)[\s_.:/\-\[(]*(?:(?:q|quat|quaternion|rot|rotation|orient|orientation|ori)[\s_.:/\-\[(]*(?P<axis>[wxyz])"
     r"|(?P<first>[wxyz])[\s_.:/\-]*quat(?:ernion)?)[\])]?",
     re.I,
 )
