@@ -28,9 +28,9 @@ class Retargeting(LeafSystem):
     `angular_velocity` (3), rad/s, of what is held, in the frame of the line between the hands, both or neither: the
     palms roll together about that line by them, and keep their roll without. `palm_poses` (14): left, then right X_WP
     as qw qx qy qz x y z. `palm_twists` (12): angular (rad/s), then translational velocity (m/s) of each palm in W.
-    `swivel` (2), rad, and `swivel_rate` (2), rad/s: what is asked of the robot's arms. `tempo` (1), how fast the skill's
-    clock runs, turns rates by that clock, as `velocity` and `angular_velocity` are, into rates in the world; 1 when not
-    connected.
+    `swivel` (2), rad, and `swivel_rate` (2), rad/s: what is asked of the robot's arms. `tempo` (1), how fast the
+    skill's clock runs, turns rates by that clock, as `velocity` and `angular_velocity` are, into rates in the world; 1
+    when not connected.
     """
 
     def __init__(self, *, retarget: Retarget):

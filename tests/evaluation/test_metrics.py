@@ -251,6 +251,7 @@ def test_a_box_that_rests_where_it_should_has_nothing_to_report():
     assert found_for_box() == {
         "lifted_m": 0.0,
         "placement_error_m": 0.0,
+        "placement_rotation_deg": 0.0,
         "max_tilt_deg": 0.0,
         "dropped": False,
         "max_slip_m": pytest.approx(0.0, abs=1e-12),
@@ -264,6 +265,15 @@ def test_lift_is_the_highest_point_and_the_error_is_at_the_end():
     found = found_for_box(box=box)
     assert found["lifted_m"] == pytest.approx(0.21)
     assert found["placement_error_m"] == pytest.approx(0.005)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_orientation_at_the_end_counts_whole(sign):
+    box = log().box
+    turned = Rotation.from_euler("ZX", [3.0, 4.0], degrees=True)
+    box[-1, :4] = sign * turned.as_quat()[[3, 0, 1, 2]]
+    box[-2, :4] = Rotation.from_euler("Z", 20.0, degrees=True).as_quat()[[3, 0, 1, 2]]
+    assert found_for_box(box=box)["placement_rotation_deg"] == pytest.approx(np.rad2deg(turned.magnitude()))
 
 
 def test_contact_lost_counts_only_while_the_box_is_held():
