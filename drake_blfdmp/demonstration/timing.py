@@ -53,7 +53,7 @@ class TaskMotion:
         events: grasp and release: the beginnings of the two dwells, s; grasp_end and release_end: their ends. Without a
             box start and end of the movement alone.
         turn: (N, 4) how what is held has turned since the grasp, in the frame of the line between the hands
-            (`hand_orientation`); without a box since the start. None where the recording has no orientations.
+            (`hand_orientation`); None without a box, and where the recording has no orientations.
         levelled: rad about that line by which the person put the box down otherwise than they took it; taken out.
     """
 
@@ -150,8 +150,7 @@ def free_motion(
     rests = [timing.rest_s, timing.rest_s]
     t, x, recorded, durations = _play(demonstration, [start_s, end_s], rests, timing, cutoff_hz, rate_hz)
     events = {"start": rests[0], "end": rests[0] + durations[0]}
-    turn = turn_since(demonstration, recorded, start_s, cutoff_hz)
-    return TaskMotion(t=t, x=x, recorded=recorded, events=events, turn=turn)
+    return TaskMotion(t=t, x=x, recorded=recorded, events=events)  # Free hands turn each on its own: nothing to follow.
 
 
 def _check(timing: Timing) -> None:

@@ -245,7 +245,7 @@ class RetargetConfig:
         scale: of the person's motion.
         world: where the shoulders' midpoint goes.
         level: keep the line between the palms horizontal.
-        pitch: turn what is held about the line between the hands as the recording's hand orientations say, if it has any.
+        pitch: turn what is held about the line between the hands as the recording's hand orientations say, if any do.
         elbow_up: mirror the elbows to above the line from shoulder to wrist.
         redundancy: what the arms' seventh joint is for while they move: "swivel", "none" or "published".
         clearance: distance that the moving arms keep from themselves and each other, m; None: not looked at.

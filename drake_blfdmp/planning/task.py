@@ -69,11 +69,9 @@ def MakeMotion(scenario: Scenario, source: Source) -> TaskMotion:
     """
     if scenario.task.kind == "motion":
         start, end = np.clip([source.holding.start_s, source.holding.end_s], *source.demonstration.t[[0, -1]])
-        motion = free_motion(source.demonstration, start, end, scenario.timing, scenario.learning.cutoff_hz)
-    else:
-        motion = task_motion(source.demonstration, source.holding, scenario.timing, scenario.learning.cutoff_hz)
-        motion = Centred(motion)
-    return motion if scenario.retarget.pitch else replace(motion, turn=None, levelled=0.0)
+        return free_motion(source.demonstration, start, end, scenario.timing, scenario.learning.cutoff_hz)
+    motion = task_motion(source.demonstration, source.holding, scenario.timing, scenario.learning.cutoff_hz)
+    return Centred(motion if scenario.retarget.pitch else replace(motion, turn=None, levelled=0.0))
 
 
 def Centred(motion: TaskMotion) -> TaskMotion:

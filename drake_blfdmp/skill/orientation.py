@@ -147,7 +147,8 @@ def learn_orientation(t, q, *, centers, widths, tau, gamma, alpha_z, method="rid
     if farthest > FARTHEST:
         raise SkillError(
             f"learning: the orientation is up to {np.rad2deg(farthest):.0f} degrees from the last one, and has no "
-            f"clear shortest way beyond {np.rad2deg(FARTHEST):.0f}; cut the recording, or leave its orientations out"
+            f"clear shortest way beyond {np.rad2deg(FARTHEST):.0f}; cut the recording, or leave its orientations out "
+            "with retarget.pitch=false"
         )
     spline = make_interp_spline(t, e, k=5)
     u = np.linspace(0.0, tau, max(len(t), 10 * len(centers) + 1))
