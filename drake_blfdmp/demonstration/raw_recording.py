@@ -15,8 +15,8 @@ class Body:
         frames: (N,) the file's own frame numbers (int), or the number from 0 of the row, message or entry.
         t: (N,) the file's clock, finite; None where the file has none.
         confidence: (N, 6) 0 not seen, 0.5 guessed, 1 tracked; None where the file says nothing.
-        orientations: (N, 2, 4) of left and right hand, quaternions w x y z of any length; NaN or zeros where missing;
-            None where the file has none.
+        orientations: (N, 2, 4) of left and right hand, or of what they hold, quaternions w x y z of any length; NaN or
+            zeros where missing; None where the file has none.
     """
 
     x: np.ndarray
@@ -56,7 +56,9 @@ def one_body(
     frames: np.ndarray | None = None,
     t: np.ndarray | None = None,
     confidence: np.ndarray | None = None,
+    orientations: np.ndarray | None = None,
     **stated,
 ) -> RawRecording:
     """The recording of a file that knows of one person only; `stated` are further fields of RawRecording."""
-    return RawRecording({"0": Body(x, np.arange(len(x)) if frames is None else frames, t, confidence)}, **stated)
+    frames = np.arange(len(x)) if frames is None else frames
+    return RawRecording({"0": Body(x, frames, t, confidence, orientations)}, **stated)

@@ -10,7 +10,7 @@ import zipfile
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.demonstration.formats.mocap.omomo_pt import COLUMNS, FIRST_JOINT_COLUMN, JOINTS
+from drake_blfdmp.demonstration.formats.mocap.omomo_pt import COLUMNS, FIRST_JOINT_COLUMN, JOINTS, OBJECT_COLUMN
 from drake_blfdmp.demonstration.formats.sensor_joints import AZURE_KINECT, KINECT_V1
 from drake_blfdmp.skeleton import POINTS
 
@@ -199,11 +199,16 @@ def _write_bone(lines, bone, depth, offsets, order, constant, rename):
     lines.append(pad + "}")
 
 
-def write_omomo_pt(path, t, x, columns=COLUMNS, storage="FloatStorage", order="<", compression=zipfile.ZIP_STORED):
+def write_omomo_pt(
+    path, t, x, columns=COLUMNS, storage="FloatStorage", order="<", compression=zipfile.ZIP_STORED, turns=None
+):
+    """`turns` (N, 4) are the object's, w x y z."""
     names = [f"{side}_{part}" for side in "LR" for part in ("Shoulder", "Elbow", "Wrist")]
     values = np.zeros((len(t), columns), f"{order}f4")
     joints = in_order(x, JOINTS, names).reshape(len(t), 3 * len(JOINTS))
     values[:, FIRST_JOINT_COLUMN : FIRST_JOINT_COLUMN + joints.shape[1]] = joints[:, : columns - FIRST_JOINT_COLUMN]
+    if turns is not None:
+        values[:, OBJECT_COLUMN : OBJECT_COLUMN + 4] = np.roll(turns, -1, axis=-1)
     pickle = (
         b"\x80\x02ctorch._utils\n_rebuild_tensor_v2\nq\0((X\x07\0\0\0storageq\x01ctorch\n" + storage.encode() + b"\n."
     )

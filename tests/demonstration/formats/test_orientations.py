@@ -3,16 +3,19 @@
 import numpy as np
 import pytest
 import ros_samples as samples
-from file_samples import BONES, write_bvh
+from file_samples import BONES, write_bvh, write_omomo_pt
 from ros_samples import LATE, stamps, transform
 from scipy.spatial.transform import Rotation
 from synthetic_carry import carry
 
+from drake_blfdmp.demonstration.cleaning import clean
 from drake_blfdmp.demonstration.demonstration import Recording
 from drake_blfdmp.demonstration.formats import read_recording
 from drake_blfdmp.demonstration.formats.ros.rosbag1 import RosBag1
 from drake_blfdmp.demonstration.formats.tables.table_names import joints_of, quaternions_of
 from drake_blfdmp.demonstration.formats.writing import WRITERS, write_recording
+from drake_blfdmp.demonstration.hand_orientation import turn_since
+from drake_blfdmp.demonstration.holding import find_holding
 from drake_blfdmp.quaternions import angle_between, from_rotation_vector
 from drake_blfdmp.ros2.messages import TF
 from drake_blfdmp.skeleton import POINTS
@@ -124,6 +127,25 @@ def test_tf_has_them_through_chains_of_frames(tmp_path):
         expected = (torso * Rotation.from_quat(scalar_last(TURNS[:, hand]))).as_matrix()
         found = Rotation.from_quat(scalar_last(body.orientations[:, hand])).as_matrix()
         np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_an_omomo_file_has_its_objects_for_both_hands(tmp_path):
+    back = read_recording(write_omomo_pt(tmp_path / "a.pt", T, X, turns=TURNS[:, 0]))
+    for hand in range(2):
+        assert angle_between(back.orientations[:, hand], TURNS[:, 0]).max() < 1e-6
+    assert "orientations: the object's, for both hands" in back.evidence
+    assert read_recording(write_omomo_pt(tmp_path / "b.pt", T, X)).orientations is None
+
+
+def test_the_box_of_a_real_carry_turns_with_it(recordings):
+    """The person tips the box towards themselves, by what the tracked box says; it is put down as it stood."""
+    demonstration = clean(read_recording(recordings / "omomo_largebox" / "sub3_largebox_003.pt"))
+    holding = find_holding(demonstration)
+    t = np.linspace(holding.start_s, holding.end_s, 50)
+    turn = turn_since(demonstration, t, holding.start_s, 1.2)
+    angle = np.rad2deg(2.0 * np.arctan2(turn[:, 1], turn[:, 0]))
+    assert 15.0 < angle.max() < 22.0
+    assert abs(angle[-1]) < 5.0
 
 
 @pytest.mark.parametrize(

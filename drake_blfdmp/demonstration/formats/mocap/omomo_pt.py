@@ -1,7 +1,8 @@
 """Body-model fits of people with objects as PyTorch tensors (OMOMO in the layout of InterMimic), read without PyTorch.
 
 A zip archive whose member `*/data/0` holds the raw numbers of one float tensor, frames x 591. Columns 162:318 are 52
-joints x (x, y, z) in metres, z up, world frame; 30 frames a second. The pickle beside it is never executed.
+joints x (x, y, z) in metres, z up, world frame, columns 321:325 the object's orientation x y z w there; 30 frames a
+second. The pickle beside it is never executed.
 
 Source: Li, Wu, Liu, "Object motion guided human motion synthesis", ACM TOG 2023.
 """
@@ -20,6 +21,7 @@ from drake_blfdmp.errors import RecordingError
 CLOCK_HZ = 30.0
 COLUMNS = 591
 FIRST_JOINT_COLUMN = 162
+OBJECT_COLUMN = 321
 _FINGERS = tuple(f"{finger}{bone}" for finger in ("Index", "Middle", "Pinky", "Ring", "Thumb") for bone in (1, 2, 3))
 JOINTS = (
     "Pelvis", "L_Hip", "L_Knee", "L_Ankle", "L_Toe", "R_Hip", "R_Knee", "R_Ankle", "R_Toe",
@@ -50,7 +52,12 @@ class OmomoPt:
         values = _tensor(path)
         columns = [FIRST_JOINT_COLUMN + 3 * JOINTS.index(name) for name in chosen]
         x = np.stack([values[:, column : column + 3] for column in columns], axis=1).astype(float)
-        return one_body(x, unit="m", clock_hz=CLOCK_HZ, up="z")
+        # What is held tells better than the hands how it turns: those of a body model slide on it.
+        q = values[:, [OBJECT_COLUMN + 3, *range(OBJECT_COLUMN, OBJECT_COLUMN + 3)]].astype(float)
+        notes = ("orientations: the object's, for both hands",) if q.any() else ()
+        return one_body(
+            x, orientations=np.repeat(q[:, None], 2, axis=1), unit="m", clock_hz=CLOCK_HZ, up="z", notes=notes
+        )
 
 
 def _tensor(path: Path) -> np.ndarray:
