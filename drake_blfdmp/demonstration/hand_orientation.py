@@ -23,6 +23,9 @@ from drake_blfdmp.quaternions import (
 )
 from drake_blfdmp.skeleton import WRISTS
 
+MOST_DISAGREEMENT = np.deg2rad(25.0)
+"""rad, root mean square, by which hands that hold one rigid thing may turn it differently; 10 degrees are usual."""
+
 
 def line_quaternions(x: np.ndarray) -> np.ndarray:
     """The line frame R_z(yaw) R_y(-elevation) (..., 4) of points (..., 6, 3), z up."""
@@ -45,8 +48,16 @@ def turn_since(
     Returns:
         None where the demonstration has no orientations.
     """
+    turns = hand_turns(demonstration, times, since_s, cutoff_hz)
+    return continuous(middle(np.array(turns))) if turns else None
+
+
+def hand_turns(
+    demonstration: Demonstration, times: np.ndarray, since_s: float, cutoff_hz: float | None
+) -> list[np.ndarray]:
+    """The same by each hand that has orientations, left before right: none to two of (M, 4)."""
     if demonstration.orientations is None:
-        return None
+        return []
     t, x = demonstration.t, demonstration.x
     if cutoff_hz is not None:
         x = smooth(t, x, cutoff_hz)
@@ -62,7 +73,15 @@ def turn_since(
         spline = make_interp_spline(t, continuous(multiply(conjugate(line), q)), k=5)
         shown = normalised(spline(np.clip([since_s, *times], t[0], t[-1])))
         turns.append(multiply(shown[1:], conjugate(shown[0])))
-    return continuous(middle(np.array(turns))) if turns else None
+    return turns
+
+
+def disagreement(turns: Sequence[np.ndarray]) -> float:
+    """How far two hands' turns (M, 4) about the line are apart, root mean square, rad; 0 for one hand or none."""
+    if len(turns) < 2:
+        return 0.0
+    apart = multiply(turns[1], conjugate(turns[0]))
+    return float(np.sqrt(np.mean((2.0 * np.arctan2(np.abs(apart[:, 1]), np.abs(apart[:, 0]))) ** 2)))
 
 
 def ended_level(turn: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, float]:

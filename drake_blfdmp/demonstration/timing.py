@@ -12,7 +12,13 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from drake_blfdmp.demonstration.demonstration import Demonstration
-from drake_blfdmp.demonstration.hand_orientation import ended_level, turn_since
+from drake_blfdmp.demonstration.hand_orientation import (
+    MOST_DISAGREEMENT,
+    disagreement,
+    ended_level,
+    hand_turns,
+    turn_since,
+)
 from drake_blfdmp.demonstration.holding import Holding
 from drake_blfdmp.demonstration.modelled_person import minimum_jerk
 from drake_blfdmp.demonstration.smoothing import smooth
@@ -54,6 +60,8 @@ class TaskMotion:
             box start and end of the movement alone.
         turn: (N, 4) how what is held has turned since the grasp, in the frame of the line between the hands
             (`hand_orientation`); None without a box, and where the recording has no orientations.
+        disagreeing: how far the two hands turn it differently, rad, root mean square; there is no turn where that is
+            more than `MOST_DISAGREEMENT`.
         levelled: rad about that line by which the person put the box down otherwise than they took it; taken out.
     """
 
@@ -63,6 +71,7 @@ class TaskMotion:
     events: dict[str, float]
     turn: np.ndarray | None = None
     levelled: float = 0.0
+    disagreeing: float = 0.0
 
 
 def ramp(u):
@@ -110,7 +119,11 @@ def task_motion(
     t, x, recorded, durations = _play(demonstration, stops, rests, timing, cutoff_hz, rate_hz)
     grasp = rests[0] + durations[0]
     release = grasp + timing.dwell_s + durations[1]
-    turn, levelled = turn_since(demonstration, np.clip(recorded, start, end), start, cutoff_hz), 0.0
+    held = np.clip(recorded, start, end)
+    disagreeing = disagreement(hand_turns(demonstration, held, start, cutoff_hz))
+    turn, levelled = turn_since(demonstration, held, start, cutoff_hz), 0.0
+    if disagreeing > MOST_DISAGREEMENT:
+        turn = None
     if turn is not None:
         turn, levelled = ended_level(turn, minimum_jerk((recorded - start) / (end - start)))
     return TaskMotion(
@@ -125,6 +138,7 @@ def task_motion(
         },
         turn=turn,
         levelled=levelled,
+        disagreeing=disagreeing,
     )
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_blfdmp.demonstration.hand_orientation import MOST_DISAGREEMENT
 from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import Source
@@ -171,6 +172,9 @@ def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
 
 def TurnNotes(motion: TaskMotion, coupled: Rollout, retarget: Retarget) -> list[str]:
     """What was taken from the way the person's hands turned the box, in sentences."""
+    if coupled.turn is None and motion.disagreeing > MOST_DISAGREEMENT:
+        apart = np.rad2deg(motion.disagreeing)
+        return [f"orientations left aside: the hands differ by {apart:.0f} degrees on average in how they turn the box"]
     if coupled.turn is None:
         return []
     notes = []

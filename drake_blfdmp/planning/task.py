@@ -71,7 +71,7 @@ def MakeMotion(scenario: Scenario, source: Source) -> TaskMotion:
         start, end = np.clip([source.holding.start_s, source.holding.end_s], *source.demonstration.t[[0, -1]])
         return free_motion(source.demonstration, start, end, scenario.timing, scenario.learning.cutoff_hz)
     motion = task_motion(source.demonstration, source.holding, scenario.timing, scenario.learning.cutoff_hz)
-    return Centred(motion if scenario.retarget.pitch else replace(motion, turn=None, levelled=0.0))
+    return Centred(motion if scenario.retarget.pitch else replace(motion, turn=None, levelled=0.0, disagreeing=0.0))
 
 
 def Centred(motion: TaskMotion) -> TaskMotion:

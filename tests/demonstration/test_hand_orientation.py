@@ -11,10 +11,24 @@ from synthetic_carry import recording
 
 from drake_blfdmp.demonstration.cleaning import clean
 from drake_blfdmp.demonstration.demonstration import Demonstration, as_recording
-from drake_blfdmp.demonstration.hand_orientation import ended_level, line_quaternions, mean_orientations, turn_since
+from drake_blfdmp.demonstration.hand_orientation import (
+    MOST_DISAGREEMENT,
+    disagreement,
+    ended_level,
+    hand_turns,
+    line_quaternions,
+    mean_orientations,
+    turn_since,
+)
 from drake_blfdmp.demonstration.health import examine
 from drake_blfdmp.demonstration.holding import Holding
-from drake_blfdmp.demonstration.modelled_person import ModelledPerson, hand_orientations, held_interval, hold_and_place
+from drake_blfdmp.demonstration.modelled_person import (
+    ModelledPerson,
+    hand_orientations,
+    held_interval,
+    hold_and_place,
+    minimum_jerk,
+)
 from drake_blfdmp.demonstration.orientation_cleaning import clean_orientations
 from drake_blfdmp.demonstration.timing import Timing, free_motion, task_motion
 from drake_blfdmp.demonstration.torso_frame import to_torso_frame
@@ -111,6 +125,20 @@ def test_the_task_turns_between_grasp_and_release_alone():
     assert angle(motion.turn).max() == pytest.approx(PITCH, abs=0.02)  # Less by what the smoothing takes.
     assert free_motion(demonstration(), 0.5, 7.0, Timing()).turn is None
     assert task_motion(demonstration(None), Holding(*HELD, 0.3), Timing()).turn is None
+
+
+def test_hands_that_turn_it_differently_are_not_followed():
+    """Two hands on one rigid thing turn alike; where they do not, their orientations are worth nothing."""
+    grown = minimum_jerk((T - HELD[0]) / 2.0)[:, None, None] * [[0.0] * 3, [1.0, 0.0, 0.0]]
+    line = line_quaternions(X)[:, None]
+    apart = multiply(line, multiply(from_rotation_vector(grown), multiply(line * [1, -1, -1, -1], Q)))
+    held = T[(HELD[0] <= T) & (HELD[1] >= T)]
+    found = disagreement(hand_turns(demonstration(apart), held, HELD[0], None))
+    assert found == pytest.approx(np.sqrt(np.mean(minimum_jerk((held - HELD[0]) / 2.0) ** 2)), abs=1e-4)
+    motion = task_motion(demonstration(apart), Holding(*HELD, 0.3), Timing())
+    assert motion.turn is None and motion.disagreeing > MOST_DISAGREEMENT
+    assert task_motion(demonstration(), Holding(*HELD, 0.3), Timing()).disagreeing < 1e-6
+    assert disagreement([]) == 0.0
 
 
 def spoiled(rng):

@@ -175,7 +175,10 @@ def test_what_was_taken_from_the_turn_is_said(plan):
     level, limited = TurnNotes(motion, rollout, plan.retarget)
     assert "+7 degrees" in level
     assert "of 86 degrees" in limited
-    assert TurnNotes(motion, replace(rollout, turn=None), plan.retarget) == []
+    still = replace(rollout, turn=None)
+    assert TurnNotes(motion, still, plan.retarget) == []
+    (aside,) = TurnNotes(replace(motion, disagreeing=0.5), still, plan.retarget)
+    assert "by 29 degrees" in aside
 
 
 def test_the_line_itself_turns_no_box_about_it(plan, default_plan):

@@ -43,7 +43,7 @@ def with_clock(skill, time_step, tempo=None, goal=None):
         for system in (canonical, orientation):
             builder.Connect(source.get_output_port(), system.GetInputPort("tempo"))
     simulator = Simulator(builder.Build())
-    simulator.get_mutable_integrator().set_target_accuracy(1e-9)
+    simulator.get_mutable_integrator().set_target_accuracy(1e-6)
     simulator.Initialize()
     return simulator, orientation
 
@@ -123,7 +123,7 @@ def test_the_discrete_system_is_the_rollout(skill):
 
 def test_both_kinds_of_state_show_one_motion(skill):
     runs = [with_clock(skill, time_step) for time_step in (0.0, 0.005)]
-    for end in (1.5, 4.0):
+    for end in (1.0, 2.0):
         shown = []
         for simulator, orientation in runs:
             simulator.AdvanceTo(end)

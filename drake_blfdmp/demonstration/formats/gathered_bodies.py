@@ -11,6 +11,7 @@ from drake_blfdmp.errors import RecordingError
 
 MAX_BODIES = 1000  # A tracker that loses people gives them new numbers, but not so many.
 _UNSAID = (np.nan,) * 6
+_UNTURNED = ((np.nan,) * 4,) * 2
 
 
 class _Track:
@@ -21,6 +22,7 @@ class _Track:
         self.t = array("d")
         self.x = array("d")
         self.confidence = array("d")
+        self.orientations = array("d")
 
 
 class GatheredBodies:
@@ -37,6 +39,7 @@ class GatheredBodies:
         t: float | None,
         x: Sequence[Sequence[float]],
         confidence: Sequence[float] | None = None,
+        orientations: Sequence[Sequence[float]] = _UNTURNED,
     ) -> None:
         """One person in one frame.
 
@@ -47,6 +50,7 @@ class GatheredBodies:
             x: (6, 3) points, NaN where missing.
             confidence: (6,) as in the file (see `confidence_of_numbers`), NaN where a point has none; None where the
                 person has none.
+            orientations: (2, 4) of left and right hand, quaternions w x y z; NaN where missing.
 
         Raises:
             RecordingError: more people than any recording has.
@@ -64,6 +68,8 @@ class GatheredBodies:
         for point in x:
             track.x.extend(point)
         track.confidence.extend(_UNSAID if confidence is None else confidence)
+        for hand in orientations:
+            track.orientations.extend(hand)
 
     def recording(self, *, has_clock: bool, notes: tuple[str, ...] = (), **stated) -> RawRecording:
         """What was gathered, with `notes` and `stated` as further fields of RawRecording.
@@ -94,6 +100,7 @@ class GatheredBodies:
                 np.array(track.frames),
                 np.array(track.t) if has_clock else None,
                 None if confidence is None else confidence[part],
+                np.array(track.orientations).reshape(-1, 2, 4),
             )
         origin = f"{at_origin.sum()} points at exactly (0, 0, 0) count as missing" if at_origin.any() else ""
         return RawRecording(bodies, notes=tuple(note for note in (*notes, sentence, origin) if note), **stated)

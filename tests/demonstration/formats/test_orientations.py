@@ -1,17 +1,21 @@
 """Hand orientations in files: written, read, told from a place that is always filled alike, and cut with the frames."""
 
+import json
+
 import numpy as np
 import pytest
 import ros_samples as samples
-from file_samples import BONES, write_bvh, write_omomo_pt
+from file_samples import BONES, write_azure_json, write_bvh, write_omomo_pt
 from ros_samples import LATE, stamps, transform
 from scipy.spatial.transform import Rotation
 from synthetic_carry import carry
+from text_samples import write_ntu_skeleton
 
 from drake_blfdmp.demonstration.cleaning import clean
 from drake_blfdmp.demonstration.demonstration import Recording
 from drake_blfdmp.demonstration.formats import read_recording
 from drake_blfdmp.demonstration.formats.ros.rosbag1 import RosBag1
+from drake_blfdmp.demonstration.formats.sensor_joints import AZURE_KINECT, KINECT_V2
 from drake_blfdmp.demonstration.formats.tables.table_names import joints_of, quaternions_of
 from drake_blfdmp.demonstration.formats.writing import WRITERS, write_recording
 from drake_blfdmp.demonstration.hand_orientation import turn_since
@@ -127,6 +131,38 @@ def test_tf_has_them_through_chains_of_frames(tmp_path):
         expected = (torso * Rotation.from_quat(scalar_last(TURNS[:, hand]))).as_matrix()
         found = Rotation.from_quat(scalar_last(body.orientations[:, hand])).as_matrix()
         np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_the_azure_kinects_json_has_them(tmp_path):
+    path = write_azure_json(tmp_path / "a.json", T, X)
+    assert read_recording(path).orientations is None  # All the same there.
+    document = json.loads(path.read_text())
+    wrists = [AZURE_KINECT.index(name) for name in ("WristLeft", "WristRight")]
+    for frame, turns in zip(document["frames"], TURNS.tolist(), strict=True):
+        for joint, turn in zip(wrists, turns, strict=True):
+            frame["bodies"][0]["joint_orientations"][joint] = turn
+    del document["frames"][4]["bodies"][0]["joint_orientations"]
+    document["frames"][6]["bodies"][0]["joint_orientations"][wrists[1]] = [1.0, "none", None]
+    path.write_text(json.dumps(document))
+    expected = TURNS.copy()
+    expected[4] = expected[6, 1] = np.nan
+    back = read_recording(path)
+    np.testing.assert_allclose(back.orientations, expected, atol=1e-12)
+    np.testing.assert_allclose(back.x, X, atol=1e-8)
+
+
+def test_ntu_has_them(tmp_path):
+    path = write_ntu_skeleton(tmp_path / "a.skeleton", T, X)
+    assert read_recording(path).orientations is None
+    lines = path.read_text().splitlines()
+    for k, turns in enumerate(TURNS):
+        first = 2 + k * (len(KINECT_V2) + 3) + 2  # Of the frame's joints: below the counts and the person.
+        for name, turn in zip(("WristLeft", "WristRight"), turns, strict=True):
+            cells = lines[first + KINECT_V2.index(name)].split()
+            cells[7:11] = [repr(float(value)) for value in turn]
+            lines[first + KINECT_V2.index(name)] = " ".join(cells)
+    path.write_text("\n".join(lines) + "\n")
+    np.testing.assert_allclose(read_recording(path).orientations, TURNS, atol=1e-12)
 
 
 def test_an_omomo_file_has_its_objects_for_both_hands(tmp_path):

@@ -9,6 +9,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from drake_blfdmp.demonstration.formats.documents.json_frames import (
     find_frames,
     frame_numbers,
@@ -16,12 +18,13 @@ from drake_blfdmp.demonstration.formats.documents.json_frames import (
     stated_names,
 )
 from drake_blfdmp.demonstration.formats.documents.json_points import one_name_each, read_point
-from drake_blfdmp.demonstration.formats.documents.json_text import load_json, looks_like_json
+from drake_blfdmp.demonstration.formats.documents.json_text import load_json, looks_like_json, number
 from drake_blfdmp.demonstration.formats.gathered_bodies import GatheredBodies
 from drake_blfdmp.demonstration.formats.recording_format import Joints
 from drake_blfdmp.demonstration.formats.sensor_joints import AZURE_KINECT
 from drake_blfdmp.demonstration.raw_recording import RawRecording
 from drake_blfdmp.errors import RecordingError
+from drake_blfdmp.skeleton import WRISTS
 
 _BODIES = re.compile(rb'"bodies"\s*:')
 _LEVELS = (0.0, 0.5, 1.0, 1.0)  # None, low, medium, high.
@@ -58,8 +61,21 @@ class AzureJson:
             for body in bodies:
                 name = body.get("body_id", 0) if isinstance(body, dict) else 0
                 x, confidence = _read_body(f"{path}: frame {index}, body {str(name)[:40]!r}", body, wanted)
-                gathered.add(name, int(numbers[index]), None if t is None else t[index], x, confidence)
+                turns = [_read_turn(body, wanted[wrist]) for wrist in WRISTS]
+                gathered.add(name, int(numbers[index]), None if t is None else t[index], x, confidence, turns)
         return gathered.recording(has_clock=t is not None, unit="mm", time_unit=time_unit, up="-y", empty_frames=empty)
+
+
+def _read_turn(body: dict[str, Any], joint: int) -> list[float]:
+    """A joint's orientation, w x y z; NaN where the file has none: points alone are enough."""
+    turns = body.get("joint_orientations")
+    turn = turns[joint] if isinstance(turns, list) and len(turns) == len(AZURE_KINECT) else None
+    try:
+        if isinstance(turn, list) and len(turn) == 4:
+            return [number(value) for value in turn]
+    except ValueError:
+        pass
+    return [np.nan] * 4
 
 
 def _read_body(where: str, body: Any, wanted: list[int]) -> tuple[list, list[float] | None]:

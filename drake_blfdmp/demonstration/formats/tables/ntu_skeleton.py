@@ -16,11 +16,12 @@ from drake_blfdmp.demonstration.formats.sensor_joints import KINECT_V2
 from drake_blfdmp.demonstration.formats.text import head_lines, kept_lines, text_blocks
 from drake_blfdmp.demonstration.raw_recording import Body, RawRecording
 from drake_blfdmp.errors import RecordingError
-from drake_blfdmp.skeleton import POINTS
+from drake_blfdmp.skeleton import POINTS, WRISTS
 
 CLOCK_HZ = 30.0
 _PERSON_NUMBERS, _JOINT_NUMBERS = 10, 12
 _STATE = 11  # The column of a joint's tracking state: 0 not tracked, 1 inferred, 2 tracked.
+_TURN = slice(7, 11)  # Those of its orientation, w x y z.
 _MOST_SKELETONS = 1 << 20
 
 _count_blanks = methodcaller("count", " ")
@@ -82,9 +83,10 @@ class NtuSkeleton:
         lines.require_end(promised)
         bodies: dict[str, Body] = {}
         for person, numbers in frames.items():
-            values = np.array(rows[person]).reshape(-1, len(POINTS), 4)
+            values = np.array(rows[person]).reshape(-1, len(POINTS), 8)
             confidence = np.clip(np.nan_to_num(values[..., 3]), 0.0, 2.0) / 2.0
-            bodies[person] = Body(values[..., :3], np.array(numbers), confidence=confidence)
+            turns = values[:, WRISTS, 4:]
+            bodies[person] = Body(values[..., :3], np.array(numbers), confidence=confidence, orientations=turns)
         return RawRecording(bodies, unit="m", clock_hz=CLOCK_HZ, up="y", empty_frames=empty)
 
 
@@ -115,7 +117,7 @@ class _Lines:
         return cells
 
     def joints(self, wanted: list[int], how_many: int) -> list[float]:
-        """x, y, z and tracking state of the `wanted` ones of the next lines, one joint each, in a row."""
+        """x, y, z, tracking state and orientation w x y z of the `wanted` ones of the next lines, one joint each."""
         lines = self._take(how_many, f"the lines of {how_many} joints")
         first = self.number - how_many + 1
         if set(map(_count_blanks, lines)) != {_JOINT_NUMBERS - 1}:
@@ -129,7 +131,7 @@ class _Lines:
             try:
                 if len(cells) != _JOINT_NUMBERS:
                     raise ValueError
-                values += map(float, (cells[0], cells[1], cells[2], cells[_STATE]))
+                values += map(float, (*cells[:3], cells[_STATE], *cells[_TURN]))
             except ValueError:
                 self.number = first + joint
                 raise self._error(f"not the {_JOINT_NUMBERS} numbers of {KINECT_V2[joint]}") from None
