@@ -30,7 +30,7 @@ class CleanOrientations(NamedTuple):
 
 def has_orientation(q: np.ndarray) -> np.ndarray:
     """Which samples (N, 2) of orientations (N, 2, 4) hold a rotation."""
-    return np.isfinite(normalised(q)).all(axis=-1)
+    return np.asarray(np.isfinite(normalised(q)).all(axis=-1))
 
 
 def turning_orientations(q: np.ndarray) -> np.ndarray | None:

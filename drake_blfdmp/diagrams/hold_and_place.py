@@ -126,7 +126,7 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     )
     for name in ("position", "velocity"):
         builder.Connect(skill.transformation.GetOutputPort(name), retargeting.GetInputPort(name))
-    orientation = None if plan.task.skill.orientation is None else AddOrientation(builder, plan, skill, retargeting)
+    orientation = AddOrientation(builder, plan, skill, retargeting)
     for name in ("palm_poses", "palm_twists", "swivel", "swivel_rate"):
         builder.Connect(retargeting.GetOutputPort(name), ik.GetInputPort(name))
     for arm, name in zip(arms, ("left", "right"), strict=True):
@@ -156,9 +156,11 @@ def AddHoldAndPlace(builder: DiagramBuilder, plan: Plan) -> HoldAndPlace:
     )
 
 
-def AddOrientation(builder: DiagramBuilder, plan: Plan, skill: SkillSystems, retargeting: System) -> System:
-    """Add the skill's orientation and its goal, and let the palms roll by it."""
+def AddOrientation(builder: DiagramBuilder, plan: Plan, skill: SkillSystems, retargeting: System) -> System | None:
+    """Add the skill's orientation and its goal, and let the palms roll by it; nothing where the skill has none."""
     own = plan.task.skill
+    if own.orientation is None:
+        return None
     time_step = plan.scenario.simulation.skill_time_step
     orientation = builder.AddNamedSystem("orientation", OrientationSystem(skill=own, time_step=time_step))
     goal = builder.AddNamedSystem("goal_orientation", ConstantVectorSource(own.orientation.goal))

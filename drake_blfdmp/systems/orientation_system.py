@@ -76,9 +76,9 @@ class OrientationSystem(LeafSystem):
 
     def _inputs(self, context, ahead: float):
         """Forcing at the phase `ahead`, s, of now, the goal, and the tempo."""
-        tempo = self._tempo.Eval(context)[0] if self._tempo.HasValue(context) else 1.0
+        tempo = np.asarray(self._tempo.Eval(context))[0] if self._tempo.HasValue(context) else 1.0
         skill = self._skill
-        s = self._phase.Eval(context)[0] * phase_at(tempo * ahead, skill.tau, skill.gamma)
+        s = np.asarray(self._phase.Eval(context))[0] * phase_at(tempo * ahead, skill.tau, skill.gamma)
         f = self._orientation.forcing(s, skill.centers, skill.widths)
         return f, normalised(self._goal.Eval(context)), tempo
 

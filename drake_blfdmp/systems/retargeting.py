@@ -53,10 +53,11 @@ class Retargeting(LeafSystem):
     def _calc(self, context, output, index):
         x, velocity = self._position.Eval(context), self._velocity.Eval(context)
         tempo = np.asarray(self._tempo.Eval(context))[0] if self._tempo.HasValue(context) else 1.0
-        velocity = tempo * velocity
+        velocity = tempo * np.asarray(velocity)
         turn: tuple[np.ndarray, ...] = ()
         if self._orientation.HasValue(context):
-            turn = self._orientation.Eval(context), tempo * self._angular_velocity.Eval(context)
+            rate = np.asarray(self._angular_velocity.Eval(context))
+            turn = np.asarray(self._orientation.Eval(context)), tempo * rate
         key = (x.tobytes(), velocity.tobytes(), *(value.tobytes() for value in turn))
         if key != self._key:
             self._result = retarget_motion(
