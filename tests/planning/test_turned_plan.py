@@ -102,6 +102,7 @@ def test_the_diagram_has_the_orientation_and_its_goal(plan):
     root = diagram.CreateDefaultContext()
     context = parts.orientation.GetMyContextFromRoot(root)
     np.testing.assert_allclose(parts.orientation.GetInputPort("goal_orientation").Eval(context)[0], 1.0, atol=1e-9)
+    assert parts.orientation.GetInputPort("tempo").Eval(context)[0] == 1.0  # The skill's own clock.
     retargeting = parts.retargeting.GetMyContextFromRoot(root)
     for name in ("orientation", "angular_velocity"):
         np.testing.assert_array_equal(
