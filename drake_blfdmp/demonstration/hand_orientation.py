@@ -24,7 +24,7 @@ from drake_blfdmp.quaternions import (
 from drake_blfdmp.skeleton import WRISTS
 
 MOST_DISAGREEMENT = np.deg2rad(25.0)
-"""rad, root mean square, by which hands that hold one rigid thing may turn it differently; a real carry has 6 degrees."""
+"""rad, root mean square, by which hands on one rigid thing may turn it differently; a real carry has 6 degrees."""
 
 
 def line_quaternions(x: np.ndarray) -> np.ndarray:
