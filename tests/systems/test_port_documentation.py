@@ -2,6 +2,7 @@
 
 import ast
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,8 @@ from drake_blfdmp.recording.event_recorder import EventRecorder
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.laws.primitive import Primitive
+from drake_blfdmp.skill.orientation import OrientationSkill
+from drake_blfdmp.systems.orientation_system import OrientationSystem
 from drake_blfdmp.systems.point_coupler import PointCoupler
 from drake_blfdmp.systems.timed_push import TimedPush
 from drake_blfdmp.viewing.meshcat_scene import start_meshcat
@@ -87,6 +90,10 @@ def systems(default_plan, tmp_path_factory):
     recorder.Close()
     found["EventRecorder"] = EventRecorder(recorder=recorder, names=["a"])
     found["McapRecorder"] = recorder
+    skill = default_plan.task.skill
+    unit = np.array([1.0, 0.0, 0.0, 0.0])
+    turning = replace(skill, orientation=OrientationSkill(np.zeros((len(skill.centers), 3)), unit, unit))
+    found["OrientationSystem"] = OrientationSystem(skill=turning, time_step=0.004)
     push = {"force": [1.0, 0.0, 0.0], "start_s": 0.0, "duration_s": 1.0}
     found["TimedPush"] = TimedPush(body=parts.box, **push)
     found["keep"] = (diagram, parts)
