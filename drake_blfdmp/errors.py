@@ -1,10 +1,21 @@
 """Exceptions that a user's input can cause; each carries one line: what is wrong, where, and what to do."""
 
+from typing import Literal
+
+Reason = Literal["reach", "force", "clearance", "input"]
+"""Why something is refused: the arms cannot get there, cannot press so hard, would touch what they must not; or the
+input itself is wrong."""
+
 
 class BlfDmpError(Exception):
-    """Base of everything that bad input can raise; `run.py` prints it as one line and exits with `exit_status`."""
+    """Base of everything that bad input can raise; `run.py` prints it as one line and exits with `exit_status`.
+
+    Attributes:
+        reason: the class of the refusal.
+    """
 
     exit_status = 2
+    reason: Reason = "input"
 
 
 class RecordingError(BlfDmpError):
@@ -21,6 +32,19 @@ class ScenarioError(BlfDmpError):
 
 class TaskError(BlfDmpError):
     """The task cannot be carried out by the arms: reach, force or clearance."""
+
+    def __init__(self, message: str, *, reason: Reason = "input"):
+        """Of a message in one line and the class of the refusal."""
+        super().__init__(message)
+        self.reason = reason
+
+    def __reduce__(self):
+        """Pickled with its reason, as errors come back from worker processes."""
+        return _task_error, (type(self), str(self), self.reason)
+
+
+def _task_error(kind: type[TaskError], message: str, reason: Reason) -> TaskError:
+    return kind(message, reason=reason)
 
 
 class SimulationError(BlfDmpError):
