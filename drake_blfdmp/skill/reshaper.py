@@ -47,7 +47,12 @@ def mobility_from_uncertainty(uncertainty):
 
 def needs(x, velocity, nominal_acceleration, link_acceleration):
     """What each link's n^T (Delta_b - Delta_a) must be (..., 5), m/s^2, and the unit vectors n (..., 5, 3)."""
-    _, _, n, centripetal = link_states(x, velocity)
+    return needs_of(link_states(x, velocity), nominal_acceleration, link_acceleration)
+
+
+def needs_of(states, nominal_acceleration, link_acceleration):
+    """`needs` of links whose `link_states` are known."""
+    _, _, n, centripetal = states
     own = dot(n, link_vectors(nominal_acceleration))
     return link_acceleration - centripetal - own, n
 
@@ -55,30 +60,40 @@ def needs(x, velocity, nominal_acceleration, link_acceleration):
 def solve_chain(n, need, mobility):
     """(G W G^T)^-1 need by elimination along the chain (Thomas): (..., 5)."""
     points = [LINKS[0].a] + [link.b for link in LINKS]
-    w = [mobility[..., p] for p in points]
+    weights, need = _columns(mobility), _columns(need)
+    w = [weights[p] for p in points]
     count = len(LINKS)
     diagonal = [w[i] + w[i + 1] for i in range(count)]
-    between = dot(n[..., :-1, :], n[..., 1:, :])
-    off = [-w[i + 1] * between[..., i] for i in range(count - 1)]
-    pivot, right = [diagonal[0]], [need[..., 0]]
+    between = _columns(dot(n[..., :-1, :], n[..., 1:, :]))
+    off = [-w[i + 1] * between[i] for i in range(count - 1)]
+    pivot, right = [diagonal[0]], [need[0]]
     for i in range(1, count):
         factor = off[i - 1] / pivot[-1]
         pivot.append(diagonal[i] - factor * off[i - 1])
-        right.append(need[..., i] - factor * right[-1])
+        right.append(need[i] - factor * right[-1])
     solution = [right[-1] / pivot[-1]]
     for i in range(count - 2, -1, -1):
         solution.append((right[i] - off[i] * solution[-1]) / pivot[i])
+    if isinstance(solution[0], float):
+        return np.array(solution[::-1])
     return np.stack(solution[::-1], axis=-1)
+
+
+def _columns(values):
+    """The entries (...) along the last axis; of a single vector as Python's numbers, which are ten times as fast."""
+    values = np.asarray(values)
+    if values.ndim == 1 and values.dtype == float:
+        return values.tolist()
+    return [values[..., i] for i in range(values.shape[-1])]
+
+
+_ENDS = np.array([[float(link.b == p) - float(link.a == p) for link in LINKS] for p in range(len(POINTS))])
+"""G^T without the directions: which end of which link (5) each point (6) is."""
 
 
 def spread(n, tension, mobility):
     """Delta = W G^T tension: (..., 6, 3)."""
-    pull = n * tension[..., None]
-    delta = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    for i, link in enumerate(LINKS):
-        delta[link.a] = delta[link.a] - pull[..., i, :]
-        delta[link.b] = delta[link.b] + pull[..., i, :]
-    return np.stack(delta, axis=-2) * mobility[..., None]
+    return _ENDS @ (n * tension[..., None]) * mobility[..., None]
 
 
 def reshape(x, velocity, nominal_acceleration, link_acceleration, mobility=DEFAULT_MOBILITY):
@@ -93,6 +108,11 @@ def reshape(x, velocity, nominal_acceleration, link_acceleration, mobility=DEFAU
         (..., 6, 3), m/s^2.
     """
     need, n = needs(x, velocity, nominal_acceleration, link_acceleration)
+    return least_change(n, need, mobility)
+
+
+def least_change(n, need, mobility=DEFAULT_MOBILITY):
+    """The least accelerations (..., 6, 3) that give every link along n (..., 5, 3) what it needs (..., 5)."""
     return spread(n, solve_chain(n, need, mobility), mobility)
 
 

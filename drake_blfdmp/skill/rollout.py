@@ -15,6 +15,9 @@ from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.skill.skill import Skill
 from drake_blfdmp.skill.transformation import mean_acceleration, step, step_matrices
 
+BLOCK = 500
+"""Samples whose bands and forcing are found at once."""
+
 MovingGoal = Callable[[float], np.ndarray]
 """A goal (..., 6, 3), m, for a time, s."""
 
@@ -100,14 +103,11 @@ def steps(
     options = {} if gains is None else {"gains": gains}
     if law is default and skill.mobility is not None:
         options["mobility"] = np.asarray(skill.mobility, dtype=float)
-    for k in range(samples):
-        t = k * time_step
+    for k, (t, band, forcing) in enumerate(_known_beforehand(skill, time_step, samples, bands, tau, x.shape[:-2])):
         velocity = v / tau
-        band = None if bands is None else np.broadcast_to(bands.evaluate(t), (*x.shape[:-2], 6, 5))
         yield Sample(t, x, velocity, band)
-        phase = np.asarray(phase_at(t + 0.5 * time_step, tau, skill.gamma))
-        forcing = skill.forcing(phase[..., 0, 0] if phase.ndim else phase)
-        forcing = forcing.reshape(*forcing.shape[:-1], 6, 3)
+        if k == samples - 1:
+            return
         target = target if move is None else np.asarray(move(t), dtype=float)
         coupling = 0.0
         if band is not None:
@@ -115,6 +115,26 @@ def steps(
             coupling = law(x, velocity, nominal, previous, band, Primitive(tau, skill.alpha_z), **options)
             previous = nominal + coupling
         x, v = step(x, v, forcing, target, coupling, tau, matrices, time_step)
+
+
+def _known_beforehand(skill: Skill, time_step: float, samples: int, bands: Bands | None, tau, batch: tuple[int, ...]):
+    """T, the bands (*batch, 6, 5) or None, and the forcing (*batch, 6, 3) at every sample.
+
+    They depend on time alone: of one rollout they are found in blocks of samples, of a batch, whose members have each
+    their own, sample by sample.
+    """
+    for first in range(0, samples, BLOCK):
+        times = time_step * np.arange(first, min(first + BLOCK, samples))
+        if not batch:
+            blocks = [None] * len(times) if bands is None else bands.evaluate(times)
+            forcings = skill.forcing(phase_at(times + 0.5 * time_step, tau, skill.gamma)).reshape(-1, 6, 3)
+            yield from zip(times.tolist(), blocks, forcings, strict=True)
+            continue
+        for t in times.tolist():
+            band = None if bands is None else np.broadcast_to(bands.evaluate(t), (*batch, 6, 5))
+            phase = np.asarray(phase_at(t + 0.5 * time_step, tau, skill.gamma))
+            forcing = skill.forcing(phase[..., 0, 0] if phase.ndim else phase)
+            yield t, band, forcing.reshape(*forcing.shape[:-1], 6, 3)
 
 
 def roll_out(
