@@ -11,6 +11,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.robot.box import AddBox, AddTable, BoxParameters, TableParameters
+from drake_blfdmp.robot.capsules import CapsulePairs
 from drake_blfdmp.robot.plant import AddDualPanda
 
 SECOND_NEIGHBOURS = (
@@ -67,6 +68,7 @@ class ClearanceChecker:
             )
         self._exclude_second_neighbours(scene_graph)
         inspector = scene_graph.model_inspector()
+        self._capsules = CapsulePairs(self.plant, inspector)
         self._name = {}
         for id in inspector.GetAllGeometryIds():
             body = self.plant.GetBodyFromFrameId(inspector.GetFrameId(id))
@@ -114,6 +116,9 @@ class ClearanceChecker:
                 raise TaskError("clearance: a box pose was given to a checker built without a box; pass box=...")
             self.plant.SetFreeBodyPose(self._plant_context, self._box, X_WB)
 
+        if (deepest := self._capsules.deepest(self._plant_context)) is not None:
+            distance, pair = deepest
+            return distance, (self._name[pair[0]], self._name[pair[1]])
         query = self._query_port.Eval(self._scene_context)
         ignored = self._box_ids if X_WB is None else frozenset()
         closest, names = self._max_distance, ("", "")

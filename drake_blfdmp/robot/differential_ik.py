@@ -107,7 +107,7 @@ def within_reach(low, high, previous, change):
 
 
 def null_interval(base, n, low, high):
-    """The alphas with low <= base + alpha n <= high: (smallest, largest), empty when smallest > largest."""
+    """The alphas with low <= base + alpha n <= high: (smallest, largest), empty when smallest > largest; broadcasts."""
     flat = np.abs(n) < 1e-9
     safe = np.where(flat, 1.0, n)
     a, b = (low - base) / safe, (high - base) / safe
@@ -115,30 +115,32 @@ def null_interval(base, n, low, high):
     inside = (low <= base + 1e-12) & (base - 1e-12 <= high)
     least = np.where(flat, np.where(inside, -np.inf, np.inf), least)
     most = np.where(flat, np.where(inside, np.inf, -np.inf), most)
-    return least.max(), most.min()
+    return least.max(axis=-1), most.min(axis=-1)
 
 
 def scale_interval(base, n, low, high):
     """The s for which some alpha has low <= s base + alpha n <= high: (smallest, largest); none if smallest > largest.
 
     Each pair of joints bounds alpha from below and from above by lines in s; s is feasible while no lower line is
-    above an upper one. A joint the null motion does not move bounds s alone. Needs low <= high.
+    above an upper one. A joint the null motion does not move bounds s alone. Needs low <= high. Broadcasts.
     """
     sign = np.where(n < 0, -1.0, 1.0)
     m, b = np.abs(n), base * sign
     low, high = np.where(sign > 0, low, -high), np.where(sign > 0, high, -low)
     # alpha m_i >= low_i - s b_i and alpha m_j <= high_j - s b_j for all i, j
-    slope = np.outer(m, b) - np.outer(b, m)
-    room = np.outer(m, high) - np.outer(low, m)
-    alone = m < 1e-9
-    slope = np.concatenate([slope.ravel(), b[alone], -b[alone]])
-    room = np.concatenate([room.ravel(), high[alone], -low[alone]])
+    slope = m[..., :, None] * b[..., None, :] - b[..., :, None] * m[..., None, :]
+    room = m[..., :, None] * high[..., None, :] - low[..., :, None] * m[..., None, :]
+    # For a joint alone s b <= high and s (-b) <= -low; for the others nothing: 0 s <= 0.
+    alone, pairs = m < 1e-9, (*slope.shape[:-2], -1)
+    slope = np.concatenate([slope.reshape(pairs), np.where(alone, b, 0.0), np.where(alone, -b, 0.0)], axis=-1)
+    room = np.concatenate([room.reshape(pairs), np.where(alone, high, 0.0), np.where(alone, -low, 0.0)], axis=-1)
     rising, falling = slope > 1e-12, slope < -1e-12
-    largest = (room[rising] / slope[rising]).min(initial=np.inf)
-    smallest = (room[falling] / slope[falling]).max(initial=-np.inf)
-    if room[~(rising | falling)].min(initial=0.0) < -1e-12:
-        return np.inf, -np.inf
-    return float(smallest), float(largest)
+    level = ~(rising | falling)
+    ends = room / np.where(level, 1.0, slope)
+    none = np.any(level & (room < -1e-12), axis=-1)
+    largest = np.where(none, -np.inf, np.where(rising, ends, np.inf).min(axis=-1))
+    smallest = np.where(none, np.inf, np.where(falling, ends, -np.inf).max(axis=-1))
+    return smallest, largest
 
 
 def largest_scale(base, n, low, high):
@@ -191,7 +193,7 @@ def resolve_null(jacobian, twist, null_speed: Callable, low, high, gains: IkGain
             stacked = [array[None] for array in (jacobian, base, wished, low, high)]
             nearest, scales = nearest_velocities(*stacked)
             return nearest[0], float(scales[0])
-        scale = _calm_scale(base, n, low, high, max(smallest, 0.0), scale, gentle)
+        scale = float(calm_scale(base, n, low, high, max(smallest, 0.0), scale, gentle))
         base = scale * base
         least, most = null_interval(base, n, low, high)
         middle = 0.5 * (least + most)
@@ -200,22 +202,25 @@ def resolve_null(jacobian, twist, null_speed: Callable, low, high, gains: IkGain
     return base + np.clip(alpha, least, most) * n, scale
 
 
-def _calm_scale(base, n, low, high, smallest, largest, gentle) -> float:
+def calm_scale(base, n, low, high, smallest, largest, gentle=None):
     """A share s of the twist, in [smallest, largest], that does not throw the arm about for a little progress.
 
     The largest share leaves the null motion no choice but the one that brings it about. With the palm held up, say at
     the end of its reach, a thousandth of progress would be bought with an elbow at full speed, one way and then back.
     Hence the smaller the largest share, the nearer to the one that is possible with the null motion at rest, or
-    braking. It does not depend on what is asked of the swivel: the palm comes first.
+    braking. It does not depend on what is asked of the swivel: the palm comes first. Broadcasts where `gentle` is None.
     """
     rest = 0.0
     if gentle is not None:
         previous, change = gentle
         rest = max(abs(n @ previous) - 0.5 * change, 0.0)
-    still = scale_interval(np.append(base, 0.0), np.append(n, 1.0), np.append(low, -rest), np.append(high, rest))
-    if still[0] > still[1]:
-        return largest
-    return largest * largest + (1.0 - largest) * max(min(still[1], largest), smallest)
+    tied = [
+        np.concatenate([values, np.full((*values.shape[:-1], 1), last)], axis=-1)
+        for values, last in ((base, 0.0), (n, 1.0), (low, -rest), (high, rest))
+    ]
+    least, most = scale_interval(*tied)
+    calm = largest * largest + (1.0 - largest) * np.maximum(np.minimum(most, largest), smallest)
+    return np.where(least > most, largest, calm)
 
 
 def _gentle(alpha, n, gentle):

@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from drake_blfdmp.robot.arm_chains import ArmChains
 from drake_blfdmp.robot.plant import ARMS, JOINTS_PER_ARM, MakeKinematicPlant
 from drake_blfdmp.robot.swivel import swivel_angle, swivel_jacobians
 from drake_blfdmp.vectors import cross
@@ -36,6 +37,7 @@ class DualArmKinematics:
 
     Attributes:
         straight_elbow: (2,) the angles of joint 4, rad, at which each arm is straight; bent are smaller ones.
+        chains: the same kinematics for many postures at once.
     """
 
     def __init__(self, plant: MultibodyPlant | None = None):
@@ -55,6 +57,7 @@ class DualArmKinematics:
             first = self._plant.GetJointByName("panda_joint1", instance).velocity_start()
             self._columns.append(slice(first, first + JOINTS_PER_ARM))
         self.straight_elbow = self._straight_elbow()
+        self.chains = ArmChains(self._plant)
 
     def _straight_elbow(self) -> np.ndarray:
         """The angles (2,) of joint 4, rad, at which shoulder, elbow and wrist lie on one line."""

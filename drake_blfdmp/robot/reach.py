@@ -1,6 +1,6 @@
 """The choice of scale, place and palm rolls that lets both arms carry out a whole motion with margin."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,9 +9,10 @@ from pydrake.math import RigidTransform
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.following import Following, follow_all
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
-from drake_blfdmp.robot.posture import Following, follow, palm_rolls, starting_posture
+from drake_blfdmp.robot.posture import palm_rolls, starting_postures
 from drake_blfdmp.robot.retargeting import Retarget, retarget_motion
 
 CENTRE = np.array([0.0, 0.47, 0.72])
@@ -104,33 +105,74 @@ def evaluate(
     samples: int = SAMPLES,
     turn=None,
 ) -> Reach | None:
-    """Try one retargeting on points x (N, 6, 3) at times t (N,); the rolls are chosen at sample `anchor`, the grasp.
+    """`evaluate_all` of one retargeting."""
+    return evaluate_all(kinematics, limits, checker, t, x, [retarget], anchor, samples, turn)[0]
+
+
+def evaluate_all(
+    kinematics: DualArmKinematics,
+    limits: JointLimits,
+    checker: ClearanceChecker,
+    t,
+    x,
+    retargets: Sequence[Retarget],
+    anchor: int,
+    samples: int = SAMPLES,
+    turn=None,
+) -> list[Reach | None]:
+    """Try retargetings on points x (N, 6, 3) at times t (N,); the rolls are chosen at sample `anchor`, the grasp.
 
     Args:
         samples: how many of the N, evenly, are followed beside the anchor.
         turn: (N, 4) how what is held turns, as in `retarget_motion`; None where nothing tells.
 
     Returns:
-        None where the arms cannot take the grasp at all.
+        For each retargeting: None where the arms cannot take the grasp at all; a clearance of 0 and an infinite stretch
+        where they cannot follow.
     """
-    pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget, turn=turn)
-    q = starting_posture(kinematics, limits, pose[anchor], swivel[anchor])
-    if q is None:
-        return None
-    rolls = retarget.rolls + palm_rolls(kinematics, q, pose[anchor])
-    retarget = replace(retarget, rolls=rolls)
-    pose, _, swivel, _ = retarget_motion(x, np.zeros_like(x), retarget, turn=turn)
     tried = np.unique(np.append(np.linspace(0, len(x) - 1, samples).round().astype(int), anchor))
     middle = int(np.searchsorted(tried, anchor))
-    give_up = 5.0 * POSE_TOLERANCE
-    back = follow(kinematics, limits, q, pose[tried[middle::-1]], swivel[tried[middle::-1]], give_up=give_up)
-    start = back.q[-1]
-    if back.pose_error > give_up:
-        return Reach(retarget, start, back, tried, 0.0, np.inf)
-    following = follow(kinematics, limits, start, pose[tried], swivel[tried], give_up=give_up)
-    clearance = min(checker.min_clearance(posture)[0] for posture in following.q[::2])
-    stretch = needed_stretch(np.asarray(t)[tried], following.q, limits)
-    return Reach(retarget, start, following, tried, clearance, stretch)
+    x, turn = x[tried], None if turn is None else turn[tried]
+    grasp = slice(middle, middle + 1)
+    poses, swivels = _palms(x[grasp], retargets, None if turn is None else turn[grasp])
+    postures = starting_postures(kinematics, limits, poses[:, 0], swivels[:, 0])
+    taken = [i for i, q in enumerate(postures) if q is not None]
+    reaches: list[Reach | None] = [None] * len(retargets)
+    if not taken:
+        return reaches
+    starts = np.array([postures[i] for i in taken])
+    rolled = [
+        replace(retargets[i], rolls=retargets[i].rolls + palm_rolls(kinematics, q, poses[i, 0]))
+        for i, q in zip(taken, starts, strict=True)
+    ]
+    poses, swivels = _palms(x, rolled, turn)
+    give_up = 5.0 * POSE_TOLERANCE  # On the way back to the start; what misses more on the way on is out.
+    back = follow_all(kinematics, limits, starts, poses[:, middle::-1], swivels[:, middle::-1], give_up=give_up)
+    for i, retarget, following in zip(taken, rolled, back, strict=True):
+        reaches[i] = Reach(retarget, following.q[-1], following, tried, 0.0, np.inf)
+    led = [k for k, following in enumerate(back) if following.pose_error <= give_up]
+    if not led:
+        return reaches
+    starts = np.array([back[k].q[-1] for k in led])
+    ahead = follow_all(kinematics, limits, starts, poses[led], swivels[led], give_up=POSE_TOLERANCE)
+    for k, start, following in zip(led, starts, ahead, strict=True):
+        clearance, stretch = 0.0, np.inf
+        if following.pose_error <= POSE_TOLERANCE and following.joint_margin >= JOINT_MARGIN:
+            clearance = least_clearance(checker, following)
+            stretch = needed_stretch(np.asarray(t)[tried], following.q, limits)
+        reaches[taken[k]] = Reach(rolled[k], start, following, tried, clearance, stretch)
+    return reaches
+
+
+def _palms(x, retargets: Sequence[Retarget], turn) -> tuple[np.ndarray, np.ndarray]:
+    """Palm poses (M, N, 2, 7) and swivel angles (M, N, 2) of M retargetings of points x (N, 6, 3)."""
+    found = [retarget_motion(x, np.zeros_like(x), retarget, turn=turn) for retarget in retargets]
+    return np.array([pose for pose, *_ in found]), np.array([swivel for _, _, swivel, _ in found])
+
+
+def least_clearance(checker: ClearanceChecker, following: Following) -> float:
+    """The least distance, m, over every second sample."""
+    return min(checker.min_clearance(posture)[0] for posture in following.q[::2])
 
 
 def calmed(retarget: Retarget, share: float) -> Retarget:
@@ -192,22 +234,30 @@ def find_reach(
     checker = ClearanceChecker(max_distance=0.1)
     scales = [scale] if scale is not None else [s for s in SCALES if s <= max(largest, SCALES[-1])]
     finer = int(sample_rate_hz * float(t[-1] - t[0]))
+    hand_scales = {s: (1.0, s) if shrink_hands and s != 1.0 else (1.0,) for s in scales}
+
+    def candidates(s: float, calm: float) -> list[Retarget]:
+        middle_now = 0.5 * (low + high) - person
+        places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world)]
+        return [
+            calmed(Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands), calm)
+            for hands in hand_scales[s]
+            for place in places
+        ]
+
+    def tried(retargets: Sequence[Retarget], samples: int = SAMPLES) -> list[Reach]:
+        found = evaluate_all(kinematics, limits, checker, t, x, retargets, anchor, samples, turn)
+        return [reach for reach in found if reach is not None]
+
     best, nearest = None, None
     for c, calm in enumerate(CALM):
-        for i, s in enumerate(scales):
-            middle_now = 0.5 * (low + high) - person
-            places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world)]
-            hand_scales = (1.0, s) if shrink_hands and s != 1.0 else (1.0,)
-            tries = [(place, hands) for hands in hand_scales for place in places]
-            for j, (place, hands) in enumerate(tries):
-                retarget = Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands)
-                retarget = calmed(retarget, calm)
-                reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor, turn=turn)
-                progress((c + (i + (j + 1) / len(tries)) / len(scales)) / len(CALM))
-                if reach is None:
-                    continue
-                if finer > SAMPLES and reach.sound and (best is None or _rank(reach) < _rank(best)):
-                    reach = evaluate(kinematics, limits, checker, t, x, retarget, anchor, finer, turn) or reach
+        for i, (_, reaches) in enumerate(_by_scale(scales, lambda s, calm=calm: candidates(s, calm), tried)):
+            progress((c + (i + 1) / len(scales)) / len(CALM))
+            promising = [reach for reach in reaches if reach.sound and (best is None or _rank(reach) < _rank(best))]
+            if finer > SAMPLES and promising:
+                reaches = [reach for reach in reaches if not reach.sound]
+                reaches += tried([reach.retarget for reach in promising], finer)
+            for reach in reaches:
                 nearest = max(nearest or reach, reach, key=lambda r: -r.following.pose_error)
                 if reach.sound and (best is None or _rank(reach) < _rank(best)):
                     best = reach
@@ -221,13 +271,34 @@ def find_reach(
     if nearest is None:
         distance = float(np.linalg.norm(x[anchor, 5] - x[anchor, 2]))
         if shrink_hands:
-            raise TaskError(f"reach: the arms cannot hold their palms {distance:.2f} m apart as asked; {remedy}")
+            raise TaskError(
+                f"reach: the arms cannot hold their palms {distance:.2f} m apart as asked; {remedy}", reason="reach"
+            )
         raise TaskError(
-            f"reach: the arms cannot take a box {distance:.2f} m wide anywhere in front of them; use a narrower box"
+            f"reach: the arms cannot take a box {distance:.2f} m wide anywhere in front of them; use a narrower box",
+            reason="reach",
         )
     f = nearest.following
+    how = f"palms {1000 * f.pose_error:.0f} mm off, joint margin {f.joint_margin:.2f} rad"
+    if reached := f.pose_error <= POSE_TOLERANCE and f.joint_margin >= JOINT_MARGIN:
+        how = f"clearance {nearest.clearance:.3f} m between the arms"
     raise TaskError(
-        f"reach: no scale from {scales[0]:g} to {scales[-1]:g} makes the whole motion reachable (best: palms "
-        f"{1000 * f.pose_error:.0f} mm off, joint margin {f.joint_margin:.2f} rad, clearance "
-        f"{nearest.clearance:.3f} m); {remedy}"
+        f"reach: no scale from {scales[0]:g} to {scales[-1]:g} makes the whole motion reachable (best: {how}); "
+        f"{remedy}",
+        reason="clearance" if reached else "reach",
     )
+
+
+def _by_scale(
+    scales: Sequence[float],
+    candidates: Callable[[float], list[Retarget]],
+    tried: Callable[[Sequence[Retarget]], list[Reach]],
+) -> Iterator[tuple[float, list[Reach]]]:
+    """Each scale with what became of its candidates: the first alone, as it mostly serves, then more at once."""
+    first = 0
+    for size in (1, 2, len(scales)):
+        chunk = scales[first : first + size]
+        reaches = tried([retarget for s in chunk for retarget in candidates(s)]) if chunk else []
+        for s in chunk:
+            yield s, [reach for reach in reaches if reach.retarget.scale == s]
+        first += size

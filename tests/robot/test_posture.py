@@ -5,9 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS
+from drake_blfdmp.robot.following import follow
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.posture import follow, palm_rolls, starting_posture
+from drake_blfdmp.robot.posture import palm_rolls, starting_posture
 from drake_blfdmp.robot.retargeting import OUTWARD, multiply, palm_offsets
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.robot.tracking import pose_error, rotation_matrix

@@ -7,9 +7,9 @@ import pytest
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.following import Following
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.posture import Following
 from drake_blfdmp.robot.reach import (
     ACCELERATION_SHARE,
     CENTRE,

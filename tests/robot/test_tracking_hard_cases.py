@@ -154,7 +154,7 @@ def test_a_goal_two_metres_away_and_back(way):
     motion = run(lambda t: (far if t < 3.0 else pose, STILL, swivel, REST), 6.5)
     half = round(3.0 / DT)
     assert motion.error[half - 1].min() > 0.5
-    # Stretched, and still: no elbow that swings to gain a little (`_calm_scale`).
+    # Stretched, and still: no elbow that swings to gain a little (`calm_scale`).
     assert np.abs(motion.velocity[half - 50 : half]).max() < 0.1
     assert_arrived(motion)
 

@@ -1,0 +1,77 @@
+"""Distances of capsules, in closed form.
+
+Drake's own query for overlapping capsules may never return (1.51 and 1.58, some configurations), so overlaps of the
+arms' capsules are found here first.
+"""
+
+import numpy as np
+from pydrake.geometry import Capsule, GeometryId, SceneGraphInspector
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context
+
+from drake_blfdmp.vectors import dot
+
+
+def segment_distances(a, b, c, d):
+    """Distances (...) of the segments from a to b and from c to d, each (..., 3), m."""
+    u, v, w = b - a, d - c, a - c
+    uu, uv, vv, uw, vw = dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)
+    tiny = np.finfo(float).tiny
+    denominator = uu * vv - uv * uv
+    s = np.where(denominator > 1e-12 * uu * vv, (uv * vw - vv * uw) / np.maximum(denominator, tiny), 0.0).clip(0.0, 1.0)
+    # The nearest point of the second line to that of the first, kept on its segment, and the first's to that again.
+    t = ((uv * s + vw) / np.maximum(vv, tiny)).clip(0.0, 1.0)
+    s = ((uv * t - uw) / np.maximum(uu, tiny)).clip(0.0, 1.0)
+    between = w + s[..., None] * u - t[..., None] * v
+    return np.sqrt(dot(between, between))
+
+
+class CapsulePairs:
+    """The pairs of capsules of a plant that may collide."""
+
+    def __init__(self, plant: MultibodyPlant, inspector: SceneGraphInspector):
+        """As the inspector's collision filters have it."""
+        self._plant = plant
+        self.pairs: list[tuple[GeometryId, GeometryId]] = [
+            pair
+            for pair in sorted(inspector.GetCollisionCandidates(), key=lambda pair: [id.get_value() for id in pair])
+            if all(isinstance(inspector.GetShape(id), Capsule) for id in pair)
+        ]
+        ids = sorted({id for pair in self.pairs for id in pair}, key=GeometryId.get_value)
+        row = {id.get_value(): k for k, id in enumerate(ids)}
+        self._bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(id)) for id in ids]
+        self._ends, self._radii = np.empty((len(ids), 2, 3)), np.empty(len(ids))
+        for k, id in enumerate(ids):
+            shape, X_BG = inspector.GetShape(id), inspector.GetPoseInFrame(id)
+            half = np.array([0.0, 0.0, 0.5 * shape.length()])
+            self._ends[k] = X_BG @ -half, X_BG @ half
+            self._radii[k] = shape.radius()
+        self._first, self._second = (
+            np.array([row[pair[i].get_value()] for pair in self.pairs], dtype=int) for i in range(2)
+        )
+        size = 0.5 * np.linalg.norm(self._ends[:, 1] - self._ends[:, 0], axis=1) + self._radii
+        self._spheres = (size[self._first] + size[self._second]) ** 2  # Farther apart no pair overlaps.
+
+    def distances(self, context: Context) -> np.ndarray:
+        """Signed distances, m, of `pairs`, negative where they overlap."""
+        return self._signed(self._ends_in_world(context), np.arange(len(self.pairs)))
+
+    def deepest(self, context: Context) -> tuple[float, tuple[GeometryId, GeometryId]] | None:
+        """The pair that overlaps most and its negative distance, m; None where no pair overlaps."""
+        ends = self._ends_in_world(context)
+        apart = (ends.sum(axis=1)[self._first] - ends.sum(axis=1)[self._second]) * 0.5
+        near = np.flatnonzero(dot(apart, apart) <= self._spheres)
+        signed = self._signed(ends, near)
+        if not np.any(signed <= 0.0):
+            return None
+        return float(signed.min()), self.pairs[near[signed.argmin()]]
+
+    def _ends_in_world(self, context: Context) -> np.ndarray:
+        poses = [self._plant.EvalBodyPoseInWorld(context, body) for body in self._bodies]
+        turns = np.array([pose.rotation().matrix() for pose in poses])
+        return np.array([pose.translation() for pose in poses])[:, None] + self._ends @ turns.swapaxes(1, 2)
+
+    def _signed(self, ends: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        first, second = self._first[chosen], self._second[chosen]
+        a, b, c, d = (ends[rows, i] for rows in (first, second) for i in range(2))
+        return segment_distances(a, b, c, d) - self._radii[first] - self._radii[second]
