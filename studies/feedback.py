@@ -85,7 +85,7 @@ def planned_force(plan: Plan) -> float:
     """What the plan presses with by the arms' mean stiffness, N."""
     squeeze, compliance = plan.scenario.task.squeeze, plan.squeeze_compliance
     if squeeze is None:
-        return float(plan.scenario.task.squeeze_force)
+        return float(plan.squeeze_force or 0.0)
     if compliance is None:
         raise TaskError("feedback: the plan has no compliance")
     return 2.0 * squeeze / compliance

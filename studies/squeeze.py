@@ -18,7 +18,7 @@ from drake_blfdmp.evaluation.studies.squeeze_metrics import Cell, Patch, as_colu
 from drake_blfdmp.evaluation.studies.squeeze_rig import SAMPLE_S, SETTLE_S, Hold, Lift, Pad, SqueezeRig
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.planning.scenario import Scenario
-from drake_blfdmp.planning.squeeze import LARGEST_FORCE
+from drake_blfdmp.planning.squeeze import LARGEST_FORCE, AskedForce
 from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.grasp_force import ARMS_FACTOR, PADS_FACTOR, least_squeeze, turning_factor
 from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, HOME, MakeKinematicPlant
@@ -57,7 +57,7 @@ def study(context: StudyContext) -> Study:
 
     progress("pressing", 0.0)
     own = SqueezeRig(the_box(scenario), below(scenario), time_step=scenario.simulation.time_step)
-    pad, chosen = own.pad, own.hold(scenario.task.squeeze_force, seconds)
+    pad, chosen = own.pad, own.hold(AskedForce(scenario.task), seconds)
     pressed = {modulus: press(scenario, forces, modulus) for modulus in (pad.modulus, *(() if quick else SOFTER))}
     boxes = [(mass, friction, 0.0) for mass in masses for friction in frictions]
     aside = [(scenario.box.mass, combined(scenario, pad), offset) for offset in offsets]
@@ -88,7 +88,7 @@ def study(context: StudyContext) -> Study:
                 np.array(forces),
                 {modulus: depths.mean(axis=1) for modulus, (depths, _) in pressed.items()},
                 lambda force, modulus: pad_deformation(force, modulus, pad.depth, pad.area),
-                scenario.task.squeeze_force,
+                AskedForce(scenario.task),
             ),
             "least": drawing.least_forces(
                 {
@@ -139,7 +139,7 @@ def pads(
     depths, patches = pressed[pad.modulus]
     ratio = depths.mean(axis=1) / pad_deformation(np.array(forces), pad.modulus, pad.depth, pad.area)
     close = bool(np.max(np.abs(ratio - 1.0)) <= PAD_CLOSE)
-    force, mass, friction = scenario.task.squeeze_force, scenario.box.mass, combined(scenario, pad)
+    force, mass, friction = AskedForce(scenario.task), scenario.box.mass, combined(scenario, pad)
     least = float(least_squeeze(mass, friction, LIFT.acceleration, factor=1.0))
     # Two palms in a row: the force falls to the least once they are this much farther apart.
     pads_only = 2.0 * (force - least) * pad.depth / (pad.modulus * pad.area)
@@ -237,7 +237,7 @@ def turns(cells: Sequence[Cell], mesh: Sequence[float], pad: Pad) -> list[Claim]
 
 def default_force(scenario: Scenario, pad: Pad, hold: Hold) -> Claim:
     """How far is what the main job presses with above the least?"""
-    force, mass, friction = scenario.task.squeeze_force, scenario.box.mass, combined(scenario, pad)
+    force, mass, friction = AskedForce(scenario.task), scenario.box.mass, combined(scenario, pad)
     least = float(least_squeeze(mass, friction, LIFT.acceleration))
     slip, pivot = hold.creep()
     enough = hold.held and force >= least

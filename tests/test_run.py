@@ -31,7 +31,16 @@ SUMMARY_KEYS = {
     "robot": {
         "min_joint_margin_rad", "max_velocity_ratio", "max_effort_ratio", "min_clearance_m", "palm_tracking_rms_m"
     },
-    "box": {"lifted_m", "placement_error_m", "max_tilt_deg", "dropped", "max_slip_m", "squeeze_force_n"},
+    "box": {
+        "lifted_m",
+        "placement_error_m",
+        "max_tilt_deg",
+        "dropped",
+        "max_slip_m",
+        "squeeze_force_n",
+        "squeeze_planned_n",
+        "squeeze_limit_n",
+    },
     "timing": {"simulated_s", "wall_s", "realtime_rate"},
     "versions": {"drake_blfdmp", "drake", "numpy", "scipy", "mcap"},
     "seed": None,

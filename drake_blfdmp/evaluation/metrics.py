@@ -123,7 +123,15 @@ def slip(palm, box, width: float):
     return np.linalg.norm(along - along[:1], axis=-1)
 
 
-def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: float, width: float) -> dict:
+def box_metrics(
+    log: RunLog,
+    held: tuple[float, float],
+    goal,
+    start_height: float,
+    width: float,
+    planned_force: float | None = None,
+    force_limit: float | None = None,
+) -> dict:
     """What happened to the box, which the log must have.
 
     Args:
@@ -131,6 +139,8 @@ def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: floa
         goal: (7,) where the plan puts it.
         start_height: of its centre before the grasp, m.
         width: of the box, m.
+        planned_force: of a palm while the box is held, N.
+        force_limit: that no palm should pass then, N.
     """
     if log.box is None or log.box_desired is None:
         raise ValueError("a motion without a box has no metrics of one")
@@ -147,4 +157,6 @@ def box_metrics(log: RunLog, held: tuple[float, float], goal, start_height: floa
         "dropped": bool(gripped.min() <= 0.0),
         "max_slip_m": float(slip(log.palm[inside], log.box[inside], width).max()) if inside.any() else 0.0,
         "squeeze_force_n": [float(force.min()), float(force.max())] if len(force) else [0.0, 0.0],
+        "squeeze_planned_n": planned_force,
+        "squeeze_limit_n": force_limit,
     }

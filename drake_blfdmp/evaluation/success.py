@@ -75,6 +75,9 @@ def _task_failures(summary: dict, thresholds: Thresholds) -> list[str]:
             f"The box ended {1000 * box['placement_error_m']:.1f} mm from where the plan puts it, more than "
             f"{1000 * thresholds.placement_m:.0f} mm."
         )
+    limit = box["squeeze_limit_n"]
+    if limit is not None and box["squeeze_force_n"][1] > limit:
+        failures.append(f"A palm pressed with {box['squeeze_force_n'][1]:.0f} N, more than {limit:.0f} N.")
     if box["max_tilt_deg"] > thresholds.tilt_deg:
         failures.append(f"The box tilted by {box['max_tilt_deg']:.1f} degrees, more than {thresholds.tilt_deg:.0f}.")
     return failures

@@ -140,7 +140,15 @@ def MakeSummary(plan: Plan, log: RunLog, margins: np.ndarray, simulated_s: float
         "feedback": feedback_metrics(log, plan.settle_s, plan.duration_s),
         "box": None
         if plan.box is None or plan.start is None
-        else box_metrics(log, plan.task.held, plan.goal, float(plan.start[6]), plan.box.width),
+        else box_metrics(
+            log,
+            plan.task.held,
+            plan.goal,
+            float(plan.start[6]),
+            plan.box.width,
+            plan.squeeze_force,
+            scenario.task.force_limit,
+        ),
         "timing": {
             "simulated_s": simulated_s,
             "wall_s": wall_s,

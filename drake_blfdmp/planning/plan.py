@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning.box_path import UpOverDown, lacking_room
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
@@ -18,10 +19,10 @@ from drake_blfdmp.planning.planned import (
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
-from drake_blfdmp.planning.squeeze import SqueezeCompliance, SqueezeDepth
+from drake_blfdmp.planning.squeeze import ChooseSqueeze, Compliances, RefuseForce, SqueezeCompliance, Strengths
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
 from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task, Turned
-from drake_blfdmp.robot.box import BoxParameters
+from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
@@ -32,6 +33,15 @@ from drake_blfdmp.skill.rollout import Rollout
 
 CLEARANCE = 0.008
 """Least distance, m, a plan keeps between bodies that must not touch."""
+
+RAISED = 0.04
+"""How much higher, m, a carry becomes that still has too little room over the tables."""
+
+ROOM_NOTES = (
+    "carried straight up, over and straight down, as the person's way leads the box against a table",
+    f"carry raised by {1000 * RAISED:.0f} mm to clear the tables",
+)
+"""What is done, one after the other, where the carried box comes too near to a table."""
 
 YAW_TOLERANCE = np.deg2rad(2.0)
 """How much less than asked for the box may be turned, rad."""
@@ -60,6 +70,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
         mass=scenario.box.mass,
         friction=scenario.box.friction,
     )
+    RefuseForce(scenario.task, box)
     plant = MakeKinematicPlant()
     kinematics = DualArmKinematics(plant)
     limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(arm) for arm in ARMS])
@@ -67,7 +78,8 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
     if opened > widest:
         raise TaskError(
             f"box: {width:.2f} m wide, the palms must open to {opened:.2f} m and can be {widest:.2f} m apart at most; "
-            "use a narrower box"
+            "use a narrower box",
+            reason="reach",
         )
     failure, tight = None, None
     # Where the whole recording is held there is nothing to trim.
@@ -98,7 +110,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
         tight = tight or plan
     if tight is not None:
         return tight
-    raise failure or TaskError("plan: nothing was tried")
+    raise failure or TaskError("plan: nothing was tried", reason="reach")
 
 
 def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
@@ -124,43 +136,62 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         shift = ShiftForSupports(
             _ends(coupled, task, reach.retarget), box, _yaws(coupled, task, reach.retarget), same_level
         )
-        change = shift.release + np.asarray(scenario.task.place_offset)
+        take, place = (np.asarray(offset) for offset in (scenario.task.take_offset, scenario.task.place_offset))
+        change = shift.release + place - take
         if same_level:
             change[2] = shift.release[2]
-        if not (np.any(np.abs(change) > 1e-5) or shift.raise_by):
+        if not (np.any(np.abs(np.append(change, take)) > 1e-5) or shift.raise_by):
             break
         scale = reach.retarget.scale
         window = ShiftWindow(coupled, task, same_level)
+        motion = replace(motion, x=motion.x + take / scale)  # And from there to the place, while it is carried.
         motion = Raised(Shifted(motion, change / scale, window), shift.raise_by / scale, window)
         if shift.sentence and not notes:
             notes.append(shift.sentence)
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
-        if not same_level or np.any(scenario.task.place_offset):
+        if not same_level or _moved(scenario):
             reach = _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, reach.retarget)
-        scenario = replace(scenario, task=replace(scenario.task, place_offset=[0.0, 0.0, 0.0]))
-    stretch = scenario.task.duration_scale or reach.stretch
-    held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
-    compliance = SqueezeCompliance(plant, reach.following.q[held])
-    if scenario.task.squeeze is None:
-        squeeze = SqueezeDepth(plant, reach.following.q[held], scenario.task.squeeze_force)
-        scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze))
+        scenario = replace(scenario, task=replace(scenario.task, take_offset=3 * [0.0], place_offset=3 * [0.0]))
+    for trial in range(len(ROOM_NOTES) + 1):
+        lacking = _lacking_room(scenario, coupled, task, reach.retarget, box, same_level)
+        worst = int(np.argmax(lacking))
+        if lacking[worst] <= 0.0:
+            break
+        if trial == len(ROOM_NOTES):
+            raise TaskError(
+                f"clearance: the carried box would be {1000 * lacking[worst]:.0f} mm too near to a table "
+                f"{100 * worst / len(lacking):.0f} % of the way; choose another place with task.place_offset, or a "
+                "part that lifts it higher with task.held",
+                reason="clearance",
+            )
+        if trial == 0:
+            motion = UpOverDown(motion, ShiftWindow(coupled, task, False))
+        else:
+            carry = motion.events["grasp_end"], motion.events["release"]
+            motion = Raised(motion, RAISED / reach.retarget.scale, carry)
+        notes.append(ROOM_NOTES[trial])
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
+        reach = _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, reach.retarget)
+    stretch = scenario.task.duration_scale or reach.stretch
+    held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
+    postures = reach.following.q[held]
+    compliances = Compliances(plant, postures)
+    acceleration = _largest_acceleration(coupled, task, reach.retarget) / stretch**2
+    squeeze = ChooseSqueeze(scenario.task, box, compliances, Strengths(plant, postures, box.mass), acceleration)
+    scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))
+    notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]
-    if stretch != 1.0:
-        task = MakeTask(scenario, source, motion, stretch)
-        coupled = RollOutTask(scenario, task)
-    grasped, released = (IndexAt(coupled, t) for t in task.held)
-    # At both ends it stands on a table: turned about the line between the palms by no more than the skill's fit errs.
-    poses = BelowPalms(box_pose(coupled.x[[grasped, released]], reach.retarget), scenario.task.grasp_above)
-    yaws = _yaws(coupled, task, reach.retarget)
-    if same_level:
-        poses[1, 6] = poses[0, 6]
-    stands = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, yaws, strict=True)]
+    task = MakeTask(scenario, source, motion, stretch)
+    coupled = RollOutTask(scenario, task)
+    poses, tables = _standing(scenario, coupled, task, reach.retarget, box, same_level)
     for pose, what in zip(poses, ("grasp", "release"), strict=True):
         if pose[6] < 0.5 * box.height + 0.05:
-            raise TaskError(f"supports: the box would stand below the floor at the {what}; set retarget.world higher")
+            raise TaskError(
+                f"supports: the box would stand below the floor at the {what}; set retarget.world higher",
+                reason="clearance",
+            )
     return Plan(
         scenario=scenario,
         source=source,
@@ -171,11 +202,42 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
         box=box,
         start=poses[0],
         goal=poses[1],
-        tables=MakeSupports(*stands, box, same_level),
+        tables=tables,
         stretch=stretch,
         notes=tuple(notes),
-        squeeze_compliance=compliance,
+        squeeze_compliance=SqueezeCompliance(compliances),
+        squeeze_force=squeeze.force,
     )
+
+
+def _standing(
+    scenario: Scenario, coupled: Rollout, task: Task, retarget: Retarget, box: BoxParameters, same_level: bool
+) -> tuple[np.ndarray, list[TableParameters]]:
+    """Where the box stands at both ends, (2, 7), and on what."""
+    held = [IndexAt(coupled, t) for t in task.held]
+    # It stands on a table: turned about the line between the palms by no more than the skill's fit errs.
+    poses = BelowPalms(box_pose(coupled.x[held], retarget), scenario.task.grasp_above)
+    if same_level:
+        poses[1, 6] = poses[0, 6]
+    ends = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, _yaws(coupled, task, retarget), strict=True)]
+    return poses, MakeSupports(*ends, box, same_level)
+
+
+def _largest_acceleration(coupled: Rollout, task: Task, retarget: Retarget) -> float:
+    """Of the carried box at its planned scale, m/s^2, at the speed of the rollout."""
+    first, last = (IndexAt(coupled, t) for t in task.held)
+    velocity = retarget.scale * 0.5 * (coupled.velocity[first : last + 1, 2] + coupled.velocity[first : last + 1, 5])
+    return float(np.linalg.norm(np.gradient(velocity, coupled.t[first : last + 1], axis=0), axis=1).max())
+
+
+def _lacking_room(scenario, coupled, task, retarget, box, same_level) -> np.ndarray:
+    """How much room the held box lacks to the tables at every step of the carry, m."""
+    first, last = (IndexAt(coupled, t) for t in task.held)
+    held = slice(first, last + 1)
+    turn = None if coupled.turn is None else coupled.turn[held]
+    carried = BelowPalms(box_pose(coupled.x[held], retarget, turn), scenario.task.grasp_above)
+    ends, tables = _standing(scenario, coupled, task, retarget, box, same_level)
+    return lacking_room(carried, box, tables, ends)
 
 
 def _check_clearance(plan: Plan) -> None:
@@ -189,13 +251,14 @@ def _check_clearance(plan: Plan) -> None:
         if distance < CLEARANCE:
             raise TaskError(
                 f"clearance: {names[0]} and {names[1]} come within {1000 * distance:.0f} mm at "
-                f"{plan.coupled.t[k]:.1f} s; shorten timing.approach_s and timing.retreat_s, or raise task.grasp_above"
+                f"{plan.coupled.t[k]:.1f} s; shorten timing.approach_s and timing.retreat_s, or raise task.grasp_above",
+                reason="clearance",
             )
 
 
 def _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, before: Retarget) -> Reach:
-    """The reach of a motion whose release was moved: the grasp stays where it was if the arms can do that."""
-    if np.any(scenario.task.place_offset):
+    """The reach of a motion whose ends were moved: the person stays where it was if the arms can do that."""
+    if _moved(scenario):
         first = IndexAt(coupled, scenario.timing.rest_s)
         person = 0.5 * (coupled.x[first:, 0] + coupled.x[first:, 3]).mean(axis=0)
         try:
@@ -207,13 +270,18 @@ def _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, b
     return FindReach(scenario, coupled, anchor, kinematics, limits, progress, before.scale)
 
 
+def _moved(scenario: Scenario) -> bool:
+    return bool(np.any([scenario.task.take_offset, scenario.task.place_offset]))
+
+
 def CheckYaw(asked: float, before: float, after: float) -> None:
     """Refuse a turn of the place that the palms' line does not take, rad."""
     reached = float(wrap(after - before))
     if abs(reached - asked) > YAW_TOLERANCE:
         raise TaskError(
             f"task.place_rotation: a yaw of {asked:.2f} rad was asked for, the palms can turn the box by {reached:.2f} "
-            "rad of it from where the person puts it; ask for less, or for the other way round"
+            "rad of it from where the person puts it; ask for less, or for the other way round",
+            reason="reach",
         )
 
 

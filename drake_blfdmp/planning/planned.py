@@ -36,6 +36,7 @@ class Plan:
         stretch: how much longer than the person's the motion takes.
         notes: sentences on what was adapted, for people.
         squeeze_compliance: by how much nearer the palms must be commanded for a squeeze, m/N; None without a box.
+        squeeze_force: planned of each palm, on average while the box is held, N; None without a box.
     """
 
     scenario: Scenario
@@ -51,6 +52,7 @@ class Plan:
     stretch: float
     notes: tuple[str, ...]
     squeeze_compliance: float | None = None
+    squeeze_force: float | None = None
 
     @property
     def retarget(self) -> Retarget:

@@ -167,9 +167,12 @@ class TaskConfig:
         held: beginning and end of the held interval on the recording's clock; None finds it. In a motion: what is
             played; None plays all.
         squeeze_force: how hard the palms press on the box, N, on average; the depth follows from the arms' stiffness.
+            None takes what the box needs, and 55 N at least.
+        force_limit: how hard a palm may press, N; what would need more is refused.
         squeeze: how far each palm is commanded into the box; None takes what gives `squeeze_force`.
         clearance: distance of each palm from the box while it is open.
         grasp_above: how far above the box's centre the palms take it; it then hangs, and the hands clear the table.
+        take_offset: the box is taken this much away from where the person took it, (x, y, z) in the robots' world.
         place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
         place_rotation: the box is put down turned by this (roll, pitch, yaw) from how the person put it; it stands on a
             level table, so roll and pitch must be 0.
@@ -179,10 +182,12 @@ class TaskConfig:
 
     kind: str = "hold"
     held: list[float] | None = None
-    squeeze_force: float = 55.0
+    squeeze_force: float | None = None
+    force_limit: float = 120.0
     squeeze: float | None = None
     clearance: float = 0.05
     grasp_above: float = 0.02
+    take_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     place_rotation: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     duration_scale: float | None = None

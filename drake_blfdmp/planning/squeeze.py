@@ -1,13 +1,50 @@
-"""How deep the palms must be commanded into the box to press as hard as asked."""
+"""How hard the palms press on the box, and how deep they must be commanded into it for that."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning.scenario_sections import TaskConfig
+from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.contact import palm_stiffness
+from drake_blfdmp.robot.grasp_force import (
+    ARMS_FACTOR,
+    GRAVITY,
+    PALM_FRICTION,
+    combined_friction,
+    largest_squeeze,
+    least_squeeze,
+)
 from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS
 
-LARGEST_FORCE = 70.0
-"""Largest planned force of a palm, N: joint 6 carries it on a lever of 0.088 m and has 12 N m."""
+USUAL_FORCE = 55.0
+"""What is planned where the box does not need more, N."""
+
+ARMS_NEED = 2.2
+"""On the friction cone's estimate, what the simulated arms were measured to need; `ARMS_FACTOR` has some to spare."""
+
+OVERSHOOT = 1.2
+"""A palm may press by this factor more than its static force: trials measured 1.13 to 1.16 (`palm_stiffness`)."""
+
+
+LARGEST_FORCE = TaskConfig().force_limit / OVERSHOOT
+"""Largest static force, N, that is planned of a palm with the default limit and arms strong enough."""
+
+
+@dataclass(frozen=True)
+class Squeeze:
+    """A planned squeeze: the depth of each palm, m, its mean force, N, and sentences on what was changed."""
+
+    depth: float
+    force: float
+    notes: tuple[str, ...] = ()
+
+
+def AskedForce(task: TaskConfig) -> float:
+    """The mean force, N, that a task asks for where the box does not need more."""
+    return USUAL_FORCE if task.squeeze_force is None else task.squeeze_force
 
 
 def Compliances(plant: MultibodyPlant, postures: np.ndarray) -> np.ndarray:
@@ -21,16 +58,97 @@ def Compliances(plant: MultibodyPlant, postures: np.ndarray) -> np.ndarray:
     return compliance
 
 
-def SqueezeCompliance(plant: MultibodyPlant, postures: np.ndarray) -> float:
-    """The one compliance, m/N, with which a squeeze's force is right on average over postures (N, 14)."""
-    return float(1.0 / np.mean(1.0 / Compliances(plant, postures)))
+def Strengths(plant: MultibodyPlant, postures: np.ndarray, mass: float) -> np.ndarray:
+    """The force (N,), N, with which both arms can press in postures (N, 14) while they bear a box of a mass, kg."""
+    context = plant.CreateDefaultContext()
+    arms = [plant.GetModelInstanceByName(arm) for arm in ARMS]
+    load, strengths = (0.0, 0.0, -0.5 * GRAVITY * mass), np.empty(len(postures))
+    for k, q in enumerate(postures):
+        plant.SetPositions(context, q)
+        strengths[k] = min(largest_squeeze(plant, context, arm, load) for arm in arms)
+    return strengths
 
 
-def SqueezeDepth(plant: MultibodyPlant, postures: np.ndarray, force: float) -> float:
-    """How deep, m, each palm must be commanded into the box to press with `force`, N, on average over postures (N, 14).
+def SqueezeCompliance(compliances: np.ndarray) -> float:
+    """The one compliance, m/N, with which a squeeze's force is right on average over those of postures (N,)."""
+    return float(1.0 / np.mean(1.0 / compliances))
 
-    Both palms yield: the force of a depth d is 2 d / (1/k_left + 1/k_right). Where that would pass LARGEST_FORCE in one
-    of the postures, the depth is lowered to it.
+
+def NeededForce(box: BoxParameters, acceleration: float, factor: float) -> float:
+    """The least force, N, of each palm that carries the box with an acceleration, m/s^2; see `least_squeeze`."""
+    friction = combined_friction(box.friction, PALM_FRICTION)
+    return float(least_squeeze(box.mass, friction, acceleration, factor=factor))
+
+
+def RefuseForce(task: TaskConfig, box: BoxParameters) -> None:
+    """Refuse what no posture could change: a force beyond the limit, asked for or needed to hold the box at rest.
+
+    Raises:
+        TaskError: of reason force.
     """
-    compliance = Compliances(plant, postures)
-    return float(min(0.5 * force / np.mean(1.0 / compliance), 0.5 * LARGEST_FORCE * compliance.min()))
+    if task.squeeze_force is not None and task.squeeze_force > task.force_limit:
+        raise TaskError(
+            f"force: task.squeeze_force is {task.squeeze_force:g} N, more than task.force_limit, {task.force_limit:g} "
+            "N; lower the one or raise the other",
+            reason="force",
+        )
+    _refuse_weak(box, 0.0, task.force_limit / OVERSHOOT, "task.force_limit")
+
+
+def ChooseSqueeze(
+    task: TaskConfig, box: BoxParameters, compliances: np.ndarray, strengths: np.ndarray, acceleration: float
+) -> Squeeze:
+    """The squeeze of a carry: what is asked for, else `USUAL_FORCE` or what the box needs; within the limits.
+
+    Both palms yield: the force of a depth d is 2 d / (1/k_left + 1/k_right). In no held posture it passes the force
+    limit or the arms' strength, less what `OVERSHOOT` keeps free.
+
+    Args:
+        task: its squeeze, squeeze_force and force_limit.
+        box: the box.
+        compliances: (N,) of the held postures, m/N.
+        strengths: (N,) of the arms in them, N.
+        acceleration: largest of the carried box, m/s^2.
+
+    Raises:
+        TaskError: of reason force: no allowed squeeze holds the box, or more is asked for than is allowed.
+    """
+    limits = np.minimum(task.force_limit, strengths) / OVERSHOOT
+    deepest = float(0.5 * np.min(limits * compliances))
+    mean = 2.0 * float(np.mean(1.0 / compliances))  # Of the force over the depth, N/m.
+    allowed = deepest * mean
+    by = "task.force_limit" if strengths.min() >= task.force_limit else "the arms' strength"
+    _refuse_weak(box, acceleration, allowed, by)
+    if task.squeeze is not None and task.squeeze > deepest:
+        raise TaskError(
+            f"force: task.squeeze is {task.squeeze:g} m, but beyond {deepest:.4f} m ({allowed:.0f} N on average) a "
+            f"palm could press harder than {by} allows; squeeze less",
+            reason="force",
+        )
+    if task.squeeze is None and task.squeeze_force is not None and task.squeeze_force > allowed:
+        raise TaskError(
+            f"force: task.squeeze_force is {task.squeeze_force:g} N, but beyond {allowed:.0f} N on average a palm "
+            f"could press harder than {by} allows in some posture; squeeze less",
+            reason="force",
+        )
+    wanted = max(USUAL_FORCE, NeededForce(box, acceleration, ARMS_FACTOR))
+    force = min(wanted, allowed) if task.squeeze_force is None else task.squeeze_force
+    depth = force / mean if task.squeeze is None else task.squeeze
+    force, notes, needed = depth * mean, [], NeededForce(box, acceleration, ARMS_NEED)
+    if force < needed:
+        notes.append(f"squeezed with {force:.0f} N as asked, where the box needs about {needed:.0f} N not to slip")
+    elif task.squeeze is None and task.squeeze_force is None and abs(force - USUAL_FORCE) > 0.5:
+        why = f"a box of {box.mass:g} kg with friction {box.friction:g} needs it" if force > USUAL_FORCE else by
+        notes.append(f"squeezed with {force:.0f} N in place of the usual {USUAL_FORCE:.0f} N: {why}")
+    return Squeeze(depth, force, tuple(notes))
+
+
+def _refuse_weak(box: BoxParameters, acceleration: float, allowed: float, by: str) -> None:
+    needed = NeededForce(box, acceleration, ARMS_NEED)
+    if needed > allowed:
+        raise TaskError(
+            f"force: a box of {box.mass:g} kg with friction {box.friction:g} needs {needed:.0f} N of each palm, and "
+            f"{by} allows {allowed:.0f} N on average; use a lighter or rougher box, or a slower carry "
+            "(task.duration_scale), or raise task.force_limit",
+            reason="force",
+        )

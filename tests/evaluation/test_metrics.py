@@ -256,6 +256,8 @@ def test_a_box_that_rests_where_it_should_has_nothing_to_report():
         "dropped": False,
         "max_slip_m": pytest.approx(0.0, abs=1e-12),
         "squeeze_force_n": [60.0, 60.0],
+        "squeeze_planned_n": None,
+        "squeeze_limit_n": None,
     }
 
 

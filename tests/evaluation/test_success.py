@@ -6,13 +6,15 @@ import pytest
 
 from drake_blfdmp.evaluation.success import Thresholds, find_failures
 
+FORCE = {"squeeze_force_n": [49.0, 75.0], "squeeze_limit_n": 120.0}
+
 GOOD = {
     "links": {
         "left_upper_arm": {"violations": 0, "largest_excess_m": 0.0},
         "hands": {"violations": 0, "largest_excess_m": 0.0},
     },
     "plan": {"lift_m": 0.24},
-    "box": {"dropped": False, "lifted_m": 0.23, "placement_error_m": 0.002, "max_tilt_deg": 0.3},
+    "box": {"dropped": False, "lifted_m": 0.23, "placement_error_m": 0.002, "max_tilt_deg": 0.3} | FORCE,
     "feedback": {"finished": True, "min_tempo": 1.0},
     "robot": {
         "min_joint_margin_rad": 0.4,
@@ -40,6 +42,7 @@ def test_a_good_run_has_no_failures():
         ("box", "lifted_m", 0.1, 0.0999, ["0.100 m only", "0.10 m", "0.240 m"]),
         ("box", "placement_error_m", 0.01, 0.0123, ["12.3 mm", "10 mm"]),
         ("box", "max_tilt_deg", 5.0, 5.4, ["5.4 degrees", "more than 5"]),
+        ("box", "squeeze_force_n", [49.0, 120.0], [49.0, 131.4], ["131 N", "more than 120 N"]),
         ("feedback", "finished", True, False, ["was not finished"]),
         ("robot", "min_joint_margin_rad", 0.0, -0.012, ["joint passed its limit", "0.012 rad"]),
         ("robot", "max_velocity_ratio", 1.0, 1.07, ["1.07 times its velocity limit"]),
@@ -70,7 +73,7 @@ def test_a_link_that_leaves_its_band_is_named():
 
 def test_every_miss_is_told():
     summary = copy.deepcopy(GOOD)
-    summary["box"] = {"dropped": True, "lifted_m": 0.01, "placement_error_m": 0.3, "max_tilt_deg": 60.0}
+    summary["box"] = {"dropped": True, "lifted_m": 0.01, "placement_error_m": 0.3, "max_tilt_deg": 60.0} | FORCE
     assert len(find_failures(summary)) == 4
 
 

@@ -8,11 +8,9 @@ import pytest
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.plan import BelowPalms, MakePlan, ShiftWindow
 from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
-from drake_blfdmp.planning.squeeze import LARGEST_FORCE, SqueezeDepth
+from drake_blfdmp.planning.squeeze import USUAL_FORCE
 from drake_blfdmp.robot.clearance import ClearanceChecker
-from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, MakeKinematicPlant
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.robot.retargeting import box_pose, retarget_motion, up_axis
 
@@ -113,7 +111,7 @@ def test_a_given_duration_is_kept(moved_plan):
 def test_a_box_wider_than_the_arms_reach_is_refused_in_one_line():
     with pytest.raises(TaskError, match=r"cannot take a box 1\.50 m wide|1\.476|wide") as caught:
         MakePlan(replace(Scenario(), box=BoxConfig(width=1.5)))
-    assert "\n" not in str(caught.value)
+    assert "\n" not in str(caught.value) and caught.value.reason == "reach"
 
 
 def test_a_box_thinner_than_the_squeeze_is_refused_in_one_line():
@@ -128,19 +126,18 @@ def test_progress_names_each_stage_and_ends_at_one():
     assert [what for what, _ in seen] == ["filming the modelled person (synthetic)", "cleaning"]
 
 
-def test_the_squeeze_gives_the_force_that_was_asked_for(default_plan):
-    plant = MakeKinematicPlant()
-    postures = default_plan.reach.following.q[20:40]
-    depth = SqueezeDepth(plant, postures, 40.0)
-    context, forces = plant.CreateDefaultContext(), []
-    for q in postures:
-        plant.SetPositions(context, q)
-        stiffness = [
-            palm_stiffness(plant, context, plant.GetModelInstanceByName(arm), DEFAULT_STIFFNESS) for arm in ARMS
-        ]
-        forces.append(2.0 * depth / sum(1.0 / k for k in stiffness))
-    np.testing.assert_allclose(np.mean(forces), 40.0)
-    assert SqueezeDepth(plant, postures, 500.0) * max(forces) / depth == pytest.approx(LARGEST_FORCE)
+def test_the_plan_says_what_it_presses_with(default_plan):
+    assert default_plan.squeeze_force == pytest.approx(USUAL_FORCE)
+    closed = default_plan.task.bands.hands.closed_m
+    depth = 0.5 * (default_plan.box.width - closed)
+    assert 2.0 * depth / default_plan.squeeze_compliance == pytest.approx(USUAL_FORCE, rel=1e-6)
+
+
+def test_a_box_that_no_allowed_force_holds_is_refused_before_anything_is_searched():
+    seen = []
+    with pytest.raises(TaskError, match=r"^force: a box of 9 kg with friction 0\.3 needs 2\d\d N") as caught:
+        MakePlan(replace(Scenario(), box=BoxConfig(mass=9.0, friction=0.3)), lambda what, share: seen.append(what))
+    assert caught.value.reason == "force" and "finding a reachable place" not in seen
 
 
 def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is_during_the_whole_carry(default_plan):
@@ -157,3 +154,25 @@ def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is
     assert events["grasp_end"] < start < end < events["release"]
     for straight in (share, -share):  # Straight up on to a shelf, or straight down from one.
         assert window(straight) == (events["grasp_end"], events["release"])
+
+
+def test_take_offset_moves_the_start_by_exactly_that_and_the_goal_only_in_height(default_plan):
+    """Both ends of the default share one table, whose height follows the grasp."""
+    plan = MakePlan(Scenario(task=TaskConfig(take_offset=[-0.06, 0.05, 0.04])))
+    np.testing.assert_allclose(plan.start[4:] - default_plan.start[4:], [-0.06, 0.05, 0.04], atol=2e-3)
+    np.testing.assert_allclose(plan.goal[4:] - default_plan.goal[4:], [0.0, 0.0, 0.04], atol=2e-3)
+    for pose, table in ((plan.start, plan.tables[0]), (plan.goal, plan.tables[-1])):
+        corners = outline(plan, pose)
+        np.testing.assert_allclose(corners[:, 2], table.top_center[2], atol=1e-9)
+        assert np.all(np.abs(corners[:, :2] - table.top_center[:2]) <= 0.5 * np.array(table.size) + 1e-9)
+    assert plan.reach.sound
+    assert plan.scenario.task.take_offset == [-0.06, 0.05, 0.04]
+    np.testing.assert_allclose(
+        plan.task.skill.start - default_plan.task.skill.start, np.tile([-0.06, 0.05, 0.04], (6, 1)), atol=2e-3
+    )
+
+
+def test_both_offsets_together_move_both_ends(default_plan):
+    plan = MakePlan(Scenario(task=TaskConfig(take_offset=[0.05, -0.03, 0.0], place_offset=[0.05, 0.04, 0.0])))
+    np.testing.assert_allclose(plan.start[4:] - default_plan.start[4:], [0.05, -0.03, 0.0], atol=2e-3)
+    np.testing.assert_allclose(plan.goal[4:] - default_plan.goal[4:], [0.05, 0.04, 0.0], atol=2e-3)

@@ -16,6 +16,7 @@ from drake_blfdmp.evaluation.studies.squeeze_metrics import (
 from drake_blfdmp.evaluation.studies.squeeze_rig import Lift, Pad, SqueezeRig
 from drake_blfdmp.evaluation.study import Table
 from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.planning.squeeze import AskedForce
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.grasp_force import combined_friction, least_squeeze
 
@@ -74,7 +75,7 @@ def find(
 def mesh_factor(scenario: Scenario, offset: float) -> float:
     """`bearing_factor` of the faces that pad and box have in common when the box is held aside."""
     rig = SqueezeRig(the_box(scenario), (offset, 0.0), time_step=scenario.simulation.time_step)
-    return bearing_factor(rig.press(scenario.task.squeeze_force)[1], offset)
+    return bearing_factor(rig.press(AskedForce(scenario.task))[1], offset)
 
 
 def deformation_table(

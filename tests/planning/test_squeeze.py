@@ -1,0 +1,101 @@
+"""How hard the palms press: what is asked, what the box needs, never more than is allowed."""
+
+import numpy as np
+import pytest
+
+from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning.scenario_sections import TaskConfig
+from drake_blfdmp.planning.squeeze import (
+    OVERSHOOT,
+    USUAL_FORCE,
+    ChooseSqueeze,
+    Compliances,
+    RefuseForce,
+    SqueezeCompliance,
+    Strengths,
+)
+from drake_blfdmp.robot.box import BoxParameters
+from drake_blfdmp.robot.contact import palm_stiffness
+from drake_blfdmp.robot.grasp_force import largest_squeeze
+from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, HOME, MakeKinematicPlant
+
+COMPLIANCES = 2.0 / np.array([4500.0, 5000.0, 6000.0])  # Two palms of 4.5, 5 and 6 N/mm each.
+STRONG = np.full(3, 500.0)
+HEAVY = BoxParameters(mass=3.0, friction=0.5)
+
+
+LIGHT = BoxParameters()
+
+
+def choose(box=LIGHT, acceleration=0.4, strengths=STRONG, **task):
+    return ChooseSqueeze(TaskConfig(**task), box, COMPLIANCES, strengths, acceleration)
+
+
+def forces(squeeze):
+    return 2.0 * squeeze.depth / COMPLIANCES
+
+
+@pytest.mark.parametrize("asked", [20.0, 40.0, 70.0])
+def test_the_mean_force_is_the_one_that_is_asked_for(asked):
+    squeeze = choose(squeeze_force=asked)
+    assert squeeze.force == pytest.approx(asked) == np.mean(forces(squeeze))
+    assert squeeze.notes == ()
+
+
+def test_a_light_box_gets_the_usual_force_and_a_heavy_one_what_it_needs_with_a_note():
+    assert choose().force == pytest.approx(USUAL_FORCE) and choose().notes == ()
+    heavy = choose(HEAVY)
+    # 2.5 m (g + a) / (2 mu), mu = 2 0.5 0.8 / 1.3
+    assert heavy.force == pytest.approx(2.5 * 3.0 * (9.81 + 0.4) * 1.3 / (2 * 0.8), rel=1e-6)
+    assert "3 kg with friction 0.5 needs it" in heavy.notes[0]
+    assert choose(HEAVY, acceleration=2.0).force > heavy.force
+
+
+def test_no_posture_presses_harder_than_the_limit_or_the_arms_can():
+    limited = choose(HEAVY, force_limit=80.0)
+    assert forces(limited).max() == pytest.approx(80.0 / OVERSHOOT)
+    weak = choose(HEAVY, strengths=np.array([200.0, 200.0, 84.0]))
+    assert np.max(forces(weak) - np.array([200.0, 200.0, 84.0]) / OVERSHOOT) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"squeeze_force": 115.0}, r"task\.squeeze_force is 115 N, but beyond"),
+        ({"squeeze": 0.05}, r"task\.squeeze is 0\.05 m, but beyond 0\.0\d+ m"),
+        ({"box": HEAVY, "force_limit": 60.0}, r"a box of 3 kg with friction 0\.5 needs \d+ N of each palm, and task"),
+        ({"box": HEAVY, "strengths": np.full(3, 50.0)}, r"the arms' strength allows 3\d N"),
+    ],
+)
+def test_too_much_is_refused_in_one_line_with_its_reason(changes, message):
+    with pytest.raises(TaskError, match=f"^force: .*{message}") as caught:
+        choose(**changes)
+    assert caught.value.reason == "force" and "\n" not in str(caught.value)
+
+
+def test_a_force_above_the_limit_is_refused_before_the_search():
+    with pytest.raises(TaskError, match=r"squeeze_force is 130 N, more than task\.force_limit, 120 N") as caught:
+        RefuseForce(TaskConfig(squeeze_force=130.0), BoxParameters())
+    assert caught.value.reason == "force"
+    RefuseForce(TaskConfig(), BoxParameters())
+
+
+def test_too_little_is_done_as_asked_and_said():
+    assert "where the box needs about" in choose(squeeze_force=10.0).notes[0]
+
+
+def test_compliance_and_strength_are_those_of_the_postures():
+    plant = MakeKinematicPlant()
+    postures = np.array([np.tile(HOME, 2), np.tile(HOME, 2) + 0.1])
+    context, found = plant.CreateDefaultContext(), []
+    for q in postures:
+        plant.SetPositions(context, q)
+        arms = (plant.GetModelInstanceByName(arm) for arm in ARMS)
+        found.append(sum(1.0 / palm_stiffness(plant, context, arm, DEFAULT_STIFFNESS) for arm in arms))
+    np.testing.assert_allclose(Compliances(plant, postures), found)
+    assert SqueezeCompliance(np.array(found)) == pytest.approx(1.0 / np.mean(1.0 / np.array(found)))
+    plant.SetPositions(context, postures[1])
+    left, right = (
+        largest_squeeze(plant, context, plant.GetModelInstanceByName(arm), (0.0, 0.0, -2.0 * 9.81)) for arm in ARMS
+    )
+    assert Strengths(plant, postures, 4.0)[1] == pytest.approx(min(left, right))
