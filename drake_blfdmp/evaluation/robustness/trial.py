@@ -1,0 +1,107 @@
+"""One random task carried out with one law, and the row that says what came of it."""
+
+import hashlib
+import time
+from dataclasses import dataclass
+
+from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.evaluation.robustness.classes import failure_classes, planning_verdict
+from drake_blfdmp.evaluation.robustness.tasks import RandomTask, Ranges, draw_task, task_scenario
+from drake_blfdmp.evaluation.simulation import Judge
+from drake_blfdmp.planning.plan import MakePlan
+from drake_blfdmp.planning.planned import Plan
+from drake_blfdmp.planning.scenario import DumpScenario, Scenario
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A task, a law, and the scenario that carries out both."""
+
+    task: RandomTask
+    law: str
+    scenario: Scenario
+
+    @property
+    def key(self) -> str:
+        """What its row is known by: another seed, task, law or setting has another."""
+        digest = hashlib.sha256(DumpScenario(self.scenario).encode()).hexdigest()[:12]
+        return f"{self.scenario.name}-{digest}"
+
+
+def make_trials(base: Scenario, law: str, count: int, ranges: Ranges = Ranges()) -> list[Trial]:
+    """The first `count` tasks of the base's seed, with a law."""
+    tasks = [draw_task(base.seed, index, ranges) for index in range(count)]
+    return [Trial(task, law, task_scenario(base, task, law)) for task in tasks]
+
+
+def run_trial(trial: Trial) -> dict:
+    """Plan, simulate and judge: the row of a trial, in plain numbers and text, for JSON.
+
+    Returns:
+        `verdict` and `classes` as in `classes`; `message`: why it was refused, or each missed threshold's sentence;
+        `measured`: numbers of the summary and the plan, none where nothing was planned; `plan_s`, `run_s`: wall time.
+    """
+    row = begin_row(trial)
+    started = time.perf_counter()
+    try:
+        plan = MakePlan(trial.scenario)
+    except BlfDmpError as error:
+        verdict, kind = planning_verdict(error, trial.law)
+        return row | {
+            "verdict": verdict,
+            "classes": [kind],
+            "message": str(error),
+            "plan_s": time.perf_counter() - started,
+        }
+    planned = time.perf_counter()
+    summary = Judge(plan)
+    return row | {
+        "verdict": "success" if summary["success"] else "failure",
+        "classes": failure_classes(summary),
+        "message": " ".join(summary["failures"]),
+        "measured": measured(plan, summary),
+        "plan_s": planned - started,
+        "run_s": time.perf_counter() - planned,
+    }
+
+
+def begin_row(trial: Trial) -> dict:
+    """What names a row, with nothing measured."""
+    return {
+        "key": trial.key,
+        "law": trial.law,
+        "task": trial.task.as_dict(),
+        "verdict": "crash",
+        "classes": ["crash"],
+        "message": "",
+        "measured": None,
+        "plan_s": None,
+        "run_s": None,
+    }
+
+
+def crash_row(trial: Trial, error: str) -> dict:
+    """The row of a trial whose process raised what no user can cause, died, or did not end."""
+    return begin_row(trial) | {"message": error}
+
+
+def measured(plan: Plan, summary: dict) -> dict:
+    """The numbers of a row, by the names that the summary has for them."""
+    if plan.start is None or plan.goal is None:
+        raise ValueError("a trial is about a box")
+    box, robot, links = summary["box"], summary["robot"], summary["links"].values()
+    low, high = box["squeeze_force_n"]
+    return {
+        **{name: robot[name] for name in ("min_joint_margin_rad", "max_velocity_ratio", "max_effort_ratio")},
+        **{name: robot[name] for name in ("min_clearance_m", "palm_tracking_rms_m")},
+        **{name: box[name] for name in ("lifted_m", "placement_error_m", "max_tilt_deg", "dropped", "max_slip_m")},
+        "least_force_n": low,
+        "greatest_force_n": high,
+        "violations": sum(link["violations"] for link in links),
+        "largest_excess_m": max(link["largest_excess_m"] for link in links),
+        "scale": plan.retarget.scale,
+        "stretch": plan.stretch,
+        "duration_s": plan.duration_s,
+        "start_m": [float(value) for value in plan.start[4:]],
+        "goal_m": [float(value) for value in plan.goal[4:]],
+    }

@@ -1,0 +1,1 @@
+"""Trials become rows of a file, whatever happens on the way."""
