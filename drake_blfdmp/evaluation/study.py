@@ -130,6 +130,7 @@ class StudyContext:
         progress: called with what is being done and the share of it done, 0 to 1.
         recordings: a folder of real recordings, or None.
         workers: processes that a heavy study may use.
+        folder: the study's own, for files that it writes while it runs; None where it has none.
     """
 
     scenario: Scenario
@@ -137,6 +138,7 @@ class StudyContext:
     progress: Callable[[str, float], None]
     recordings: Path | None
     workers: int = 2
+    folder: Path | None = None
 
 
 @dataclass(frozen=True)

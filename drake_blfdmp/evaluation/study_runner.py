@@ -34,6 +34,7 @@ ORDER = (
     "generalisation",
     "guarantee",
     "sampling",
+    "robustness",
 )
 """The paper's order; studies that are not named here come after these, by the alphabet."""
 
@@ -177,7 +178,7 @@ def _run(
         scenario = LoadScenario(script.scenario, options.settings)
         result = replace(result, seed=scenario.seed)
         (folder / "scenario.yaml").write_text(DumpScenario(scenario), encoding="utf-8")
-        context = StudyContext(scenario, options.quick, progress, options.recordings, options.workers)
+        context = StudyContext(scenario, options.quick, progress, options.recordings, options.workers, folder)
         study = LoadStudy(script)(context)
         if not isinstance(study, Study):
             raise BlfDmpError(f"{script.script}: study() returned a {type(study).__name__}; return a Study")

@@ -26,6 +26,7 @@ from drake_blfdmp.planning.scenario_sections import (
     RealityConfig,
     RecordingConfig,
     RetargetConfig,
+    RobustnessConfig,
     SimulationConfig,
     SyntheticConfig,
     TaskConfig,
@@ -64,6 +65,7 @@ class Scenario:
     feedback: FeedbackConfig = field(default_factory=FeedbackConfig)
     reality: RealityConfig = field(default_factory=RealityConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
+    robustness: RobustnessConfig = field(default_factory=RobustnessConfig)
 
 
 def LoadScenario(path: Path, settings: Sequence[str] = ()) -> Scenario:
@@ -148,6 +150,7 @@ def CheckScenario(scenario: Scenario) -> None:
         "reality.friction_scale": reality.friction_scale,
         "reality.stiffness_scale": reality.stiffness_scale,
         "reality.push_duration": reality.push_duration,
+        "robustness.timeout_s": scenario.robustness.timeout_s,
     }
     optional = {
         "box.width": box.width,
@@ -197,6 +200,7 @@ def CheckScenario(scenario: Scenario) -> None:
         )
     _check_recordings(scenario)
     _check_mobility(scenario)
+    _check_robustness(scenario)
     for key, value, size in (
         ("recording.frames", scenario.recording.frames, 2),
         ("task.held", task.held, 2),
@@ -253,6 +257,21 @@ def _check_mobility(scenario: Scenario) -> None:
     if scenario.law != "default":
         key = "bands.weigh_by_uncertainty" if bands.weigh_by_uncertainty else "bands.mobility"
         raise ScenarioError(f"scenario: {key} is for the default law alone; law {scenario.law} has no such weights")
+
+
+def _check_robustness(scenario: Scenario) -> None:
+    tasks = scenario.robustness.tasks
+    for law in tasks:
+        if law not in LAWS:
+            raise ScenarioError(f"scenario: robustness.tasks names the law '{law}'; there are {', '.join(LAWS)}")
+    if tasks.get("default", 0) < 1:
+        raise ScenarioError("scenario: robustness.tasks.default must be at least 1: its planner says what can be done")
+    for key, value in (
+        *((f"tasks.{law}", count) for law, count in tasks.items()),
+        ("refusals", scenario.robustness.refusals),
+    ):
+        if value < 0:
+            raise ScenarioError(f"scenario: robustness.{key} must not be negative, not {value}")
 
 
 def _as_drake_reads_it(tree: dict) -> dict:

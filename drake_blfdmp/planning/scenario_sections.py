@@ -266,6 +266,24 @@ class RetargetConfig:
 
 
 @dataclass
+class RobustnessConfig:
+    """The study of success under variation; without effect elsewhere.
+
+    Attributes:
+        tasks: law -> how many of the random tasks it is tried on, the first ones of the seed.
+        refusals: how many refused tasks, at most, are looked at once more, whether the refusal was right.
+        timeout_s: wall time after which a trial is given up.
+        results: file of results, which are added to, and not made again where they are there; None: a new one in the
+            study's folder.
+    """
+
+    tasks: dict[str, int] = field(default_factory=lambda: {"default": 24, "published": 6, "gams": 6, "none": 6})
+    refusals: int = 6
+    timeout_s: float = 900.0
+    results: str | None = None
+
+
+@dataclass
 class SimulationConfig:
     """Steps and rates: `time_step` of the plant, `skill_time_step` of the skill and the inverse kinematics.
 

@@ -1,48 +1,68 @@
-"""Many trials, in processes, into a file of rows: what is there already is not run again, and nothing is lost."""
+"""Many jobs, in processes, into a file of rows: what is there already is not run again, and nothing is lost."""
 
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Protocol
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.robustness.pool import run_in_processes
-from drake_blfdmp.evaluation.robustness.trial import Trial, crash_row, run_trial
 
 LONGEST_ROW = 100_000
 """Bytes; a row has some two thousand."""
 
 
-def run_trials(
-    trials: Sequence[Trial],
+class Job(Protocol):
+    """What is run in a process of its own and leaves a row, which has the job's key."""
+
+    @property
+    def key(self) -> str:
+        """What its row is known by."""
+        ...
+
+    def run(self) -> dict:
+        """The row, in plain numbers and text, for JSON."""
+        ...
+
+    def crashed(self, error: str) -> dict:
+        """The row where `run` came to no end."""
+        ...
+
+
+def run_jobs(
+    jobs: Sequence[Job],
     path: Path,
     *,
     workers: int,
     timeout_s: float,
     progress: Callable[[int, int], None] = lambda done, of: None,
-    function: Callable[[Trial], dict] = run_trial,
 ) -> list[dict]:
-    """The rows of trials, in their order; each is appended to the file, a JSON object a line, as soon as it is there.
+    """The rows of jobs, in their order; each is appended to the file, a JSON object a line, as soon as it is there.
 
     Args:
-        path: of the file; rows in it that belong to these very trials are taken from it, others are left alone.
+        path: of the file; rows in it that belong to these very jobs are taken from it, others are left alone.
         workers: processes.
-        timeout_s: a trial that takes longer is killed and is a crash, s.
+        timeout_s: a job that takes longer is killed and has crashed, s.
         progress: called with how many rows there are, and of how many.
-        function: what makes a row of a trial.
 
     Raises:
         BlfDmpError: the file cannot be read or written.
     """
-    keys = [trial.key for trial in trials]
-    rows = {key: row for key, row in read_rows(path).items() if key in set(keys)}
-    missing = [trial for trial, key in zip(trials, keys, strict=True) if key not in rows]
-    progress(len(rows), len(trials))
-    for end in run_in_processes(function, missing, workers=workers, timeout_s=timeout_s):
-        row = crash_row(end.job, end.error) if end.error else end.result
+    keys = [job.key for job in jobs]
+    there = read_rows(path)
+    rows = {key: there[key] for key in keys if key in there}
+    missing = [job for job, key in zip(jobs, keys, strict=True) if key not in rows]
+    progress(len(rows), len(jobs))
+    for end in run_in_processes(_run, missing, workers=workers, timeout_s=timeout_s):
+        row = end.job.crashed(end.error) if end.error else end.result
         rows[row["key"]] = row
         append_row(path, row)
-        progress(len(rows), len(trials))
+        progress(len(rows), len(jobs))
     return [rows[key] for key in keys]
+
+
+def _run(job: Job) -> dict:
+    return job.run()
 
 
 def read_rows(path: Path) -> dict[str, dict]:
@@ -56,7 +76,7 @@ def read_rows(path: Path) -> dict[str, dict]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise BlfDmpError(f"{path}: cannot be read as rows of trials ({error.__class__.__name__})") from error
+        raise BlfDmpError(f"{path}: cannot be read as rows of results ({error.__class__.__name__})") from error
     rows = {}
     for number, line in enumerate(lines, start=1):
         try:
@@ -65,7 +85,7 @@ def read_rows(path: Path) -> dict[str, dict]:
         except (json.JSONDecodeError, TypeError, KeyError) as error:
             if number == len(lines):
                 break
-            raise BlfDmpError(f"{path}: line {number} is no row of a trial; name another file") from error
+            raise BlfDmpError(f"{path}: line {number} is no row of results; name another file") from error
     return rows
 
 

@@ -155,7 +155,7 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Processes started meanwhile leave the cores to each other: one thread each for the libraries of linear algebra."""
+    """Processes started meanwhile leave the cores to each other: their linear algebra has one thread."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:

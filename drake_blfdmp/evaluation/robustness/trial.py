@@ -2,11 +2,13 @@
 
 import hashlib
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.robustness.classes import failure_classes, planning_verdict
-from drake_blfdmp.evaluation.robustness.tasks import RandomTask, Ranges, draw_task, task_scenario
+from drake_blfdmp.evaluation.robustness.tasks import RandomTask, draw_task, task_scenario
 from drake_blfdmp.evaluation.simulation import Judge
 from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.planning.planned import Plan
@@ -27,62 +29,73 @@ class Trial:
         digest = hashlib.sha256(DumpScenario(self.scenario).encode()).hexdigest()[:12]
         return f"{self.scenario.name}-{digest}"
 
+    def run(self) -> dict:
+        """Plan, simulate and judge: the trial's row, in plain numbers and text, for JSON.
 
-def make_trials(base: Scenario, law: str, count: int, ranges: Ranges = Ranges()) -> list[Trial]:
+        Returns:
+            `verdict` and `classes` as in `classes`; `message`: why it was refused, or each missed threshold's sentence;
+            `measured`: numbers of the summary and the plan, None where nothing was simulated; `plan_s`, `run_s`: wall
+            time.
+        """
+        row = self.crashed("")
+        started = time.perf_counter()
+        try:
+            plan = MakePlan(self.scenario)
+        except BlfDmpError as error:
+            verdict, kind = planning_verdict(error, self.law)
+            told = {"verdict": verdict, "classes": [kind], "message": str(error)}
+            return row | told | {"plan_s": time.perf_counter() - started}
+        planned = time.perf_counter()
+        summary = Judge(plan)
+        return row | {
+            "verdict": "success" if summary["success"] else "failure",
+            "classes": failure_classes(summary),
+            "message": " ".join(summary["failures"]),
+            "measured": measured(plan, summary),
+            "plan_s": planned - started,
+            "run_s": time.perf_counter() - planned,
+        }
+
+    def crashed(self, error: str) -> dict:
+        """The row of a trial whose process raised what no user can cause, died, or did not end."""
+        return {
+            "key": self.key,
+            "law": self.law,
+            "task": self.task.as_dict(),
+            "verdict": "crash",
+            "classes": ["crash"],
+            "message": error,
+            "measured": None,
+            "plan_s": None,
+            "run_s": None,
+        }
+
+
+def make_trials(base: Scenario, law: str, count: int) -> list[Trial]:
     """The first `count` tasks of the base's seed, with a law."""
-    tasks = [draw_task(base.seed, index, ranges) for index in range(count)]
+    tasks = [draw_task(base.seed, index) for index in range(count)]
     return [Trial(task, law, task_scenario(base, task, law)) for task in tasks]
 
 
-def run_trial(trial: Trial) -> dict:
-    """Plan, simulate and judge: the row of a trial, in plain numbers and text, for JSON.
+def write_failures(folder: Path, trials: Sequence[Trial], rows: Sequence[Mapping]) -> list[Path]:
+    """Write the scenario of every trial that was no success, to be run again: `python run.py --scenario FILE`.
+
+    Args:
+        folder: is made where there is something to write.
+        rows: of the trials.
 
     Returns:
-        `verdict` and `classes` as in `classes`; `message`: why it was refused, or each missed threshold's sentence;
-        `measured`: numbers of the summary and the plan, none where nothing was planned; `plan_s`, `run_s`: wall time.
+        The files.
     """
-    row = begin_row(trial)
-    started = time.perf_counter()
-    try:
-        plan = MakePlan(trial.scenario)
-    except BlfDmpError as error:
-        verdict, kind = planning_verdict(error, trial.law)
-        return row | {
-            "verdict": verdict,
-            "classes": [kind],
-            "message": str(error),
-            "plan_s": time.perf_counter() - started,
-        }
-    planned = time.perf_counter()
-    summary = Judge(plan)
-    return row | {
-        "verdict": "success" if summary["success"] else "failure",
-        "classes": failure_classes(summary),
-        "message": " ".join(summary["failures"]),
-        "measured": measured(plan, summary),
-        "plan_s": planned - started,
-        "run_s": time.perf_counter() - planned,
-    }
-
-
-def begin_row(trial: Trial) -> dict:
-    """What names a row, with nothing measured."""
-    return {
-        "key": trial.key,
-        "law": trial.law,
-        "task": trial.task.as_dict(),
-        "verdict": "crash",
-        "classes": ["crash"],
-        "message": "",
-        "measured": None,
-        "plan_s": None,
-        "run_s": None,
-    }
-
-
-def crash_row(trial: Trial, error: str) -> dict:
-    """The row of a trial whose process raised what no user can cause, died, or did not end."""
-    return begin_row(trial) | {"message": error}
+    written = []
+    for trial, row in zip(trials, rows, strict=True):
+        if row["verdict"] == "success":
+            continue
+        folder.mkdir(exist_ok=True)
+        written.append(folder / f"{trial.scenario.name}.yaml")
+        told = " ".join(f"{row['verdict']} ({', '.join(row['classes'])}): {row['message']}".split())
+        written[-1].write_text(f"# {told}\n{DumpScenario(trial.scenario)}", encoding="utf-8")
+    return written
 
 
 def measured(plan: Plan, summary: dict) -> dict:

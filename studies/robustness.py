@@ -1,0 +1,94 @@
+"""Random tasks: how often each law carries the box, what fails and why, and whether what is refused cannot be done."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from drake_blfdmp.evaluation.robustness import claims
+from drake_blfdmp.evaluation.robustness.campaign import run_jobs
+from drake_blfdmp.evaluation.robustness.quick import quick_base
+from drake_blfdmp.evaluation.robustness.rates import LawRates, by_group, feasible_tasks, law_rates, values
+from drake_blfdmp.evaluation.robustness.tables import class_table, group_table, law_table, task_table
+from drake_blfdmp.evaluation.robustness.trial import make_trials, write_failures
+from drake_blfdmp.evaluation.study import Study, StudyContext
+from drake_blfdmp.viewing.study_figures import robustness as drawing
+
+QUICK_TASKS = {"default": 2, "none": 1}
+
+
+def study(context: StudyContext) -> Study:
+    """Run what the file of results does not have yet, and judge."""
+    with TemporaryDirectory() as nowhere:
+        return carry_out(context, context.folder or Path(nowhere))
+
+
+def carry_out(context: StudyContext, folder: Path) -> Study:
+    """The study, its files in `folder`."""
+    scenario, settings = context.scenario, context.scenario.robustness
+    base = quick_base(scenario) if context.quick else scenario
+    asked = QUICK_TASKS if context.quick else {law: count for law, count in settings.tasks.items() if count}
+    laws = sorted(asked, key=lambda law: law != "default")
+    trials = [trial for law in laws for trial in make_trials(base, law, asked[law])]
+    rows = run_jobs(
+        trials,
+        folder / "results.jsonl" if settings.results is None else Path(settings.results),
+        workers=context.workers,
+        timeout_s=settings.timeout_s,
+        progress=lambda done, of: context.progress(f"{of} trials", done / of),
+    )
+    write_failures(folder / "failures", trials, rows)
+
+    context.progress("drawing", 1.0)
+    of_law = {law: [row for row in rows if row["law"] == law] for law in laws}
+    feasible = feasible_tasks(of_law["default"])
+    rates = {law: law_rates(law, found, feasible) for law, found in of_law.items()}
+    tables = {
+        "laws": law_table(rates),
+        "failures": class_table(rates),
+        "sensors": group_table("sensor", by_group(of_law["default"], "sensor")),
+        "tasks": task_table(rows),
+    }
+    shown = {law: one for law, one in rates.items() if one.success is not None}
+    return Study(
+        claims=[*claims.default_claims(of_law["default"], rates["default"]), claims.law_claim(rates)],
+        figures={
+            "success": drawing.success({law: shares(one) for law, one in shown.items()}, claims.SHARE),
+            "classes": drawing.failures(
+                {law: one.classes for law, one in shown.items()}, {law: one.feasible for law, one in shown.items()}
+            ),
+            "where": drawing.where(of_law["default"]),
+            "accuracy": drawing.accuracy(
+                {law: values(found, "placement_error_m") for law, found in of_law.items()},
+                {law: values(found, "max_tilt_deg") for law, found in of_law.items()},
+                {
+                    "placement_m": ((0.5, claims.PLACEMENT_MEDIAN_M), (0.95, claims.PLACEMENT_95_M)),
+                    "tilt_deg": claims.TILT_DEG,
+                },
+            ),
+        },
+        captions={
+            "success": "Share of the feasible tasks that succeed, and in which the box is carried and placed within "
+            "every limit, whatever the links do; dashed: the target.",
+            "classes": "What fails, by the first class of each failure.",
+            "where": "Every task of the default law, over what was drawn; below, where its box stands and goes.",
+            "accuracy": "Share of runs that place the box at least so closely, and tilt it at most so far.",
+        },
+        tables=tables,
+        notes=[
+            "A task is feasible when the planner with the default law does not refuse it; the other laws are judged "
+            "by the same tasks.",
+            "Duration is that of the person's motion between its rests (timing.speed); where the arms need longer, the "
+            "planner slows the motion down further.",
+            "Each trial that is no success stands as a scenario in the folder `failures`: python run.py --scenario "
+            "FILE.",
+            "An interrupted study goes on with --set robustness.results=<its results.jsonl>.",
+        ],
+        shown=["laws", "failures", "sensors"],
+    )
+
+
+def shares(rates: LawRates) -> tuple[drawing.Interval, drawing.Interval, int]:
+    """What the figure needs of a law's rates."""
+    if rates.success is None or rates.physical is None:
+        raise ValueError(f"law {rates.law}: no feasible task")
+    found = [(one.share, one.lower, one.upper) for one in (rates.success, rates.physical)]
+    return found[0], found[1], rates.feasible
