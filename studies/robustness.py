@@ -12,7 +12,7 @@ from drake_blfdmp.evaluation.robustness.trial import make_trials, write_failures
 from drake_blfdmp.evaluation.study import Study, StudyContext
 from drake_blfdmp.viewing.study_figures import robustness as drawing
 
-QUICK_TASKS = {"default": 2, "none": 1}
+QUICK_TASKS = {"default": 1, "none": 1}
 
 
 def study(context: StudyContext) -> Study:

@@ -13,6 +13,6 @@ def quick_base(scenario: Scenario) -> Scenario:
     return replace(
         scenario,
         timing=replace(scenario.timing, approach_s=0.0, retreat_s=0.0, dwell_s=0.4, rest_s=0.3, ramp_s=0.4, speed=1.5),
-        task=replace(scenario.task, tail=0.1),
+        task=replace(scenario.task, tail=0.1, duration_scale=1.0),
         retarget=replace(scenario.retarget, scale=SCALE, world=list(PLACE)),
     )

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from drake_blfdmp.viewing import style
 from drake_blfdmp.viewing.law_style import LAW_LOOKS
@@ -111,6 +112,8 @@ def where(rows: Sequence[Mapping]) -> Figure:
     for axis, (x, y, across, up) in zip(axes.flat, panels, strict=True):
         _by_verdict(axis, x, y, verdicts)
         axis.set(xlabel=across, ylabel=up)
+        axis.xaxis.set_major_locator(MaxNLocator(5))
+        axis.yaxis.set_major_locator(MaxNLocator(5))
     present = [name for name in VERDICT_LOOKS if (verdicts == name).any()]
     marks = [
         Line2D([], [], linestyle="none", label=f"{name} ({np.sum(verdicts == name)})", **VERDICT_LOOKS[name])

@@ -3,6 +3,8 @@
 import os
 import signal
 import time
+from dataclasses import dataclass
+from pathlib import Path
 
 
 def behave(job):
@@ -17,3 +19,22 @@ def behave(job):
     if what == "hang":
         time.sleep(600)
     return os.getpid() if what == "pid" else value
+
+
+@dataclass(frozen=True)
+class FakeJob:
+    """A job of a campaign: `what` as for `behave`; it notes that it ran in `log`."""
+
+    key: str
+    what: str
+    log: Path
+
+    def run(self):
+        """The row of a job that ends."""
+        with self.log.open("a", encoding="utf-8") as file:
+            file.write(f"{self.key}\n")
+        return {"key": self.key, "value": behave((self.what, 1))}
+
+    def crashed(self, error):
+        """The row of one that does not."""
+        return {"key": self.key, "error": error}
