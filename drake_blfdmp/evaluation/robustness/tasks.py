@@ -62,8 +62,8 @@ class RandomTask:
     friction_scale: float
 
     def as_dict(self) -> dict:
-        """Plain numbers and text, for JSON."""
-        return asdict(self)
+        """Plain numbers, lists and text, as JSON gives them back."""
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
 
 def draw_task(seed: int, index: int, ranges: Ranges = Ranges()) -> RandomTask:

@@ -1,0 +1,152 @@
+"""Whether any place and scale lets two arms take a box and put it down: a search that shares nothing with the planner's.
+
+Drake's InverseKinematics from many starts, over a grid of places and over scales. Only what every plan must do is asked:
+both palms flat on the box's sides, and as far apart as they open, where it is taken and where it is put down, one place
+relative to the other as the task says. The palms' rolls are free, no margin from limits is asked, bodies may overlap
+and nothing is said about the way between. So what this search cannot find, no plan can do.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from pydrake.multibody.inverse_kinematics import InverseKinematics
+from pydrake.solvers import SnoptSolver
+
+from drake_blfdmp.robot.plant import ARMS, HOME, JOINTS_PER_ARM, MakeKinematicPlant, ReadJointLimits
+
+REGION = (np.array([-0.36, 0.12, 0.12]), np.array([0.36, 0.90, 1.50]))
+"""Corners of where the hands' middle is looked for at the grasp, m in W."""
+SPACING = 0.06
+SCALES = tuple(float(scale) for scale in np.round(np.arange(0.3, 1.01, 0.1), 2))
+"""Those of the planner's range."""
+STARTS = 10
+POSITION_TOLERANCE, ANGLE_TOLERANCE = 2e-3, 0.02
+"""M and rad; as far as that a palm may be off."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What is asked at the grasp and at the release.
+
+    Attributes:
+        apart: palms' distances at each end, m: closed and open.
+        yaw: (2,) of the line between the palms, left to right, rad.
+        way: (3,) from the middle of the hands at the grasp to that at the release, of the person's size, m.
+        shift: (3,) what the release is moved by in W, in addition, and the grasp is not, m.
+        level: both ends are at one height.
+    """
+
+    apart: tuple[float, ...]
+    yaw: tuple[float, float]
+    way: np.ndarray
+    shift: np.ndarray
+    level: bool
+
+    def release(self, grasp, scale: float) -> np.ndarray:
+        """The hands' middle (3,) at the release, of that at the grasp, m in W."""
+        end = np.asarray(grasp) + scale * self.way + self.shift
+        if self.level:
+            end[2] = grasp[2]
+        return end
+
+
+class ReachSearch:
+    """Inverse kinematics of two palms that face each other."""
+
+    def __init__(self, seed: int = 0, starts: int = STARTS):
+        """Starts are drawn from a seed."""
+        self._plant = MakeKinematicPlant()
+        self._arms = [self._plant.GetModelInstanceByName(name) for name in ARMS]
+        limits = ReadJointLimits(self._plant, self._arms)
+        self._lower, self._upper = limits.lower, limits.upper
+        self._solver = SnoptSolver()
+        rng = np.random.default_rng(seed)
+        random = rng.uniform(limits.lower, limits.upper, (starts - 1, 2 * JOINTS_PER_ARM))
+        self._starts = np.vstack([np.tile(HOME, 2), random])
+        self._shoulders, self._reach = self._extent()
+
+    def _extent(self) -> tuple[np.ndarray, float]:
+        """The shoulders' positions (2, 3), m, and a distance from one that no palm can pass, m."""
+        plant, context = self._plant, self._plant.CreateDefaultContext()
+        shoulders = [plant.GetFrameByName("shoulder", arm).CalcPoseInWorld(context).translation() for arm in self._arms]
+        straight = np.zeros(14)
+        straight[[3, 10]] = self._upper[[3, 10]]
+        plant.SetPositions(context, straight)
+        wrist, palm = (
+            np.asarray(plant.GetFrameByName(name, self._arms[0]).CalcPoseInWorld(context).translation())
+            for name in ("wrist", "palm")
+        )
+        reach = np.linalg.norm(wrist - shoulders[0]) + np.linalg.norm(palm - wrist)
+        return np.array(shoulders), float(reach)
+
+    def facing(self, middle, apart: float, yaw: float) -> np.ndarray | None:
+        """A posture (14,) whose palms face each other about a point, m in W, or None where none was found."""
+        normal = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+        palms = [np.asarray(middle) + sign * 0.5 * apart * normal for sign in (-1.0, 1.0)]
+        if any(np.linalg.norm(p - s) > self._reach for p, s in zip(palms, self._shoulders, strict=True)):
+            return None
+        q = np.tile(HOME, 2).astype(float)
+        for arm, (palm, outward) in enumerate(zip(palms, (normal, -normal), strict=True)):
+            found = self._one_arm(arm, palm, outward)
+            if found is None:
+                return None
+            q[arm * JOINTS_PER_ARM : (arm + 1) * JOINTS_PER_ARM] = found
+        return q
+
+    def _one_arm(self, arm: int, palm: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
+        ik = InverseKinematics(self._plant, True)
+        world, frame = self._plant.world_frame(), self._plant.GetFrameByName("palm", self._arms[arm])
+        ik.AddPositionConstraint(
+            frameB=frame,
+            p_BQ=np.zeros(3),
+            frameA=world,
+            p_AQ_lower=palm - POSITION_TOLERANCE,
+            p_AQ_upper=palm + POSITION_TOLERANCE,
+        )
+        ik.AddAngleBetweenVectorsConstraint(world, normal, frame, np.array([0.0, 0.0, 1.0]), 0.0, ANGLE_TOLERANCE)
+        own = slice(arm * JOINTS_PER_ARM, (arm + 1) * JOINTS_PER_ARM)
+        program = ik.get_mutable_prog()
+        other = np.delete(ik.q(), np.r_[own])
+        program.AddBoundingBoxConstraint(np.array(HOME), np.array(HOME), other)
+        for start in self._starts:
+            guess = np.tile(HOME, 2).astype(float)
+            guess[own] = start[own]
+            result = self._solver.Solve(program, guess, None)
+            if result.is_success():
+                return np.asarray(result.GetSolution(ik.q()))[own]
+        return None
+
+    def end(self, middle, ends: Ends, which: int) -> bool:
+        """Whether both palms can be about a point, at each of their distances; `which` 0 is the grasp, 1 the release."""
+        return all(self.facing(middle, apart, ends.yaw[which]) is not None for apart in ends.apart)
+
+    def search(self, ends: Ends, spacing: float = SPACING, most: int = 1) -> tuple[list[tuple[np.ndarray, float]], int]:
+        """Places of the hands' middle at the grasp, m in W, with scales, at which both ends can be reached.
+
+        Args:
+            spacing: of the grid of places, m.
+            most: how many are enough.
+
+        Returns:
+            Those found, and how many pairs of a place and a scale were looked at.
+        """
+        found, tried = [], 0
+        axes = [np.arange(low, high + 1e-9, spacing) for low, high in zip(*REGION, strict=True)]
+        # From the middle outwards: what is easy is found soon.
+        places = sorted((np.array(place) for place in product(*axes)), key=lambda p: np.linalg.norm(p - _centre()))
+        for place in places:
+            tried += len(SCALES)
+            if not self.end(place, ends, 0):
+                continue
+            for scale in reversed(SCALES):
+                if self.end(ends.release(place, scale), ends, 1):
+                    found.append((place, scale))
+                    break
+            if len(found) >= most:
+                break
+        return found, tried
+
+
+def _centre() -> np.ndarray:
+    return np.array([0.0, 0.47, 0.72])
