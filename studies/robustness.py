@@ -1,12 +1,15 @@
 """Random tasks: how often each law carries the box, what fails and why, and whether what is refused cannot be done."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from drake_blfdmp.evaluation.robustness import claims
-from drake_blfdmp.evaluation.robustness.campaign import run_jobs
+from drake_blfdmp.evaluation.robustness.campaign import Job, run_jobs
+from drake_blfdmp.evaluation.robustness.claims import share_claim
 from drake_blfdmp.evaluation.robustness.quick import quick_base
 from drake_blfdmp.evaluation.robustness.rates import LawRates, by_group, feasible_tasks, law_rates, values
+from drake_blfdmp.evaluation.robustness.refusals import refusal_table, refusals_right, sample
 from drake_blfdmp.evaluation.robustness.tables import class_table, group_table, law_table, task_table
 from drake_blfdmp.evaluation.robustness.trial import make_trials, write_failures
 from drake_blfdmp.evaluation.study import Study, StudyContext
@@ -28,14 +31,21 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
     asked = QUICK_TASKS if context.quick else {law: count for law, count in settings.tasks.items() if count}
     laws = sorted(asked, key=lambda law: law != "default")
     trials = [trial for law in laws for trial in make_trials(base, law, asked[law])]
-    rows = run_jobs(
-        trials,
-        folder / "results.jsonl" if settings.results is None else Path(settings.results),
-        workers=context.workers,
-        timeout_s=settings.timeout_s,
-        progress=lambda done, of: context.progress(f"{of} trials", done / of),
-    )
+    path = folder / "results.jsonl" if settings.results is None else Path(settings.results)
+
+    def run(jobs: Sequence[Job], what: str) -> list[dict]:
+        return run_jobs(
+            jobs,
+            path,
+            workers=context.workers,
+            timeout_s=settings.timeout_s,
+            progress=lambda done, of: context.progress(f"{of} {what}", done / max(of, 1)),
+        )
+
+    rows = run(trials, "trials")
     write_failures(folder / "failures", trials, rows)
+    own = asked["default"]  # The default law's trials stand first.
+    checked = run(sample(trials[:own], rows[:own], settings.refusals), "refusals looked at once more")
 
     context.progress("drawing", 1.0)
     of_law = {law: [row for row in rows if row["law"] == law] for law in laws}
@@ -46,10 +56,16 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
         "failures": class_table(rates),
         "sensors": group_table("sensor", by_group(of_law["default"], "sensor")),
         "tasks": task_table(rows),
-    }
+    } | ({"refusals": refusal_table(checked)} if checked else {})
+    refused = share_claim(
+        f"target: at least {100 * claims.RIGHT:g} % of refusals for reach, force or clearance are right",
+        refusals_right(checked),
+        claims.RIGHT,
+        "the table of refusals says which are not, or could not be shown",
+    )
     shown = {law: one for law, one in rates.items() if one.success is not None}
     return Study(
-        claims=[*claims.default_claims(of_law["default"], rates["default"]), claims.law_claim(rates)],
+        claims=[*claims.default_claims(of_law["default"], rates["default"]), refused, claims.law_claim(rates)],
         figures={
             "success": drawing.success({law: shares(one) for law, one in shown.items()}, claims.SHARE),
             "classes": drawing.failures(
@@ -82,7 +98,7 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
             "FILE.",
             "An interrupted study goes on with --set robustness.results=<its results.jsonl>.",
         ],
-        shown=["laws", "failures", "sensors"],
+        shown=["laws", "failures", "sensors", *(["refusals"] if checked else [])],
     )
 
 

@@ -1,9 +1,9 @@
-"""Whether any place and scale lets two arms take a box and put it down: a search that shares nothing with the planner's.
+"""Whether any place and scale lets two arms take a box and put it down: a search that has nothing of the planner's.
 
-Drake's InverseKinematics from many starts, over a grid of places and over scales. Only what every plan must do is asked:
-both palms flat on the box's sides, and as far apart as they open, where it is taken and where it is put down, one place
-relative to the other as the task says. The palms' rolls are free, no margin from limits is asked, bodies may overlap
-and nothing is said about the way between. So what this search cannot find, no plan can do.
+Drake's InverseKinematics from many starts, over a grid of places and over scales. Only what every plan must do is
+asked: both palms flat on the box's sides, and as far apart as they open, where it is taken and where it is put down,
+one place seen from the other as the task says. The palms' rolls are free, no margin from limits is asked, bodies may
+overlap and nothing is said about the way between. So what this search cannot find, no plan can do.
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,8 @@ from drake_blfdmp.robot.plant import ARMS, HOME, JOINTS_PER_ARM, MakeKinematicPl
 
 REGION = (np.array([-0.36, 0.12, 0.12]), np.array([0.36, 0.90, 1.50]))
 """Corners of where the hands' middle is looked for at the grasp, m in W."""
+MIDDLE = np.array([0.0, 0.47, 0.72])
+"""Where the search begins, m in W."""
 SPACING = 0.06
 SCALES = tuple(float(scale) for scale in np.round(np.arange(0.3, 1.01, 0.1), 2))
 """Those of the planner's range."""
@@ -118,7 +120,7 @@ class ReachSearch:
         return None
 
     def end(self, middle, ends: Ends, which: int) -> bool:
-        """Whether both palms can be about a point, at each of their distances; `which` 0 is the grasp, 1 the release."""
+        """Whether both palms can be about a point at each of their distances; `which`: 0 the grasp, 1 the release."""
         return all(self.facing(middle, apart, ends.yaw[which]) is not None for apart in ends.apart)
 
     def search(self, ends: Ends, spacing: float = SPACING, most: int = 1) -> tuple[list[tuple[np.ndarray, float]], int]:
@@ -134,7 +136,7 @@ class ReachSearch:
         found, tried = [], 0
         axes = [np.arange(low, high + 1e-9, spacing) for low, high in zip(*REGION, strict=True)]
         # From the middle outwards: what is easy is found soon.
-        places = sorted((np.array(place) for place in product(*axes)), key=lambda p: np.linalg.norm(p - _centre()))
+        places = sorted((np.array(place) for place in product(*axes)), key=lambda p: np.linalg.norm(p - MIDDLE))
         for place in places:
             tried += len(SCALES)
             if not self.end(place, ends, 0):
@@ -146,7 +148,3 @@ class ReachSearch:
             if len(found) >= most:
                 break
         return found, tried
-
-
-def _centre() -> np.ndarray:
-    return np.array([0.0, 0.47, 0.72])

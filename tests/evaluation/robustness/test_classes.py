@@ -33,6 +33,7 @@ GOOD = {
         "min_clearance_m": 0.02,
         "palm_tracking_rms_m": 0.009,
     },
+    "feedback": {"finished": True, "min_tempo": 1.0},
 }
 BAD = {
     "dropped": ("box", "dropped", True),
@@ -40,6 +41,7 @@ BAD = {
     "joint limit": ("robot", "min_joint_margin_rad", -0.01),
     "speed limit": ("robot", "max_velocity_ratio", 1.01),
     "effort": ("robot", "max_effort_ratio", 1.0),
+    "unfinished": ("feedback", "finished", False),
     "tilt": ("box", "max_tilt_deg", 5.1),
     "placement": ("box", "placement_error_m", 0.0101),
     "lift": ("box", "lifted_m", 0.09),

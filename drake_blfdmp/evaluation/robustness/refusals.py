@@ -1,0 +1,150 @@
+"""Whether what the planner refuses cannot be done: looked at once more, by other means than the planner's."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.evaluation.robustness.reach_search import Ends, ReachSearch
+from drake_blfdmp.evaluation.robustness.trial import Trial
+from drake_blfdmp.evaluation.simulation import Judge
+from drake_blfdmp.evaluation.studies.intervals import Proportion, proportion
+from drake_blfdmp.evaluation.study import Table
+from drake_blfdmp.planning.plan import MakePlan
+from drake_blfdmp.planning.planned import IndexAt
+from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.planning.sources import LoadSource
+from drake_blfdmp.planning.supports import LEVEL_WITHIN
+from drake_blfdmp.planning.task import BoxHands, MakeMotion, MakeTask, RollOutTask
+
+PLACES_TRIED = 4
+"""How many of the places that the search finds for a yaw are given to the planner."""
+
+YAW_SHARES = (1.0, 0.5, 0.0)
+LARGEST_YAW = np.deg2rad(45.0)
+"""Shares of the yaw of the person's hands, and the largest, rad."""
+
+
+@dataclass(frozen=True)
+class RefusalCheck:
+    """A trial that was refused, to be looked at again.
+
+    Attributes:
+        reason: why, one of `CHECKS`.
+    """
+
+    trial: Trial
+    reason: str
+
+    @property
+    def key(self) -> str:
+        """What its row is known by."""
+        return f"{self.trial.key}-{self.reason}-refusal"
+
+    def run(self) -> dict:
+        """Its row: `right`, whether the refusal was shown to be, and `evidence`, a sentence."""
+        right, evidence = CHECKS[self.reason](self.trial.scenario)
+        return self._row(right, evidence)
+
+    def crashed(self, error: str) -> dict:
+        """The row of a check that came to no end: nothing was shown."""
+        return self._row(False, f"not shown: {error}")
+
+    def _row(self, right: bool, evidence: str) -> dict:
+        index = self.trial.task.index
+        return {"key": self.key, "index": index, "reason": self.reason, "right": right, "evidence": evidence}
+
+
+def check_reach(scenario: Scenario) -> tuple[bool, str]:
+    """Right where no place and no scale lets both palms take the box and put it down; see `reach_search`.
+
+    What the search finds is given to the planner, place and scale fixed: a plan there that succeeds shows that the
+    refusal was wrong. Where none does, nothing is shown.
+    """
+    ends, middle = wanted_ends(scenario)
+    search, looked_at, found = ReachSearch(), 0, []
+    for share in YAW_SHARES:  # As the planner may limit it.
+        yaw = share * np.clip(ends.yaw, -LARGEST_YAW, LARGEST_YAW)
+        places, tried = search.search(replace(ends, yaw=(float(yaw[0]), float(yaw[1]))), most=PLACES_TRIED)
+        found, looked_at = found + places, looked_at + tried
+    if not found:
+        return True, f"no posture at both ends at any of {looked_at} pairs of a place and a scale"
+    told = ""
+    for place, scale in found:
+        # What counts is where the one end is, seen from the other: the place is free.
+        task = replace(scenario.task, take_offset=[0.0, 0.0, 0.0], place_offset=[float(v) for v in ends.shift])
+        world = [float(v) for v in place - scale * middle]
+        there = replace(scenario, task=task, retarget=replace(scenario.retarget, scale=scale, world=world))
+        carried, told = run_anyway(there)
+        if carried:
+            return False, f"succeeds with retarget.scale={scale:g}, retarget.world={np.round(world, 3).tolist()}"
+    return False, f"both ends can be reached at {len(found)} places, yet no plan there succeeds: {told}"
+
+
+def check_force(scenario: Scenario) -> tuple[bool, str]:
+    """Right where even the greatest force that is allowed does not carry the box, or takes more than that."""
+    limit = scenario.task.force_limit
+    task = replace(scenario.task, squeeze=None, squeeze_force=limit, force_limit=10.0 * limit)
+    carried, told = run_anyway(replace(scenario, task=task), limit)
+    return not carried, f"with {limit:g} N: {told}"
+
+
+CHECKS: Mapping[str, Callable[[Scenario], tuple[bool, str]]] = {"reach": check_reach, "force": check_force}
+
+
+def run_anyway(scenario: Scenario, force_limit: float = np.inf) -> tuple[bool, str]:
+    """Whether a changed scenario succeeds, with no palm pressing harder than `force_limit`, N; and what happened."""
+    try:
+        summary = Judge(MakePlan(scenario))
+    except BlfDmpError as error:
+        return False, str(error)
+    greatest = summary["box"]["squeeze_force_n"][1]
+    if summary["success"] and greatest > force_limit:
+        return False, f"carried, but with up to {greatest:.0f} N"
+    return summary["success"], " ".join(summary["failures"]) or f"carried with up to {greatest:.0f} N"
+
+
+def wanted_ends(scenario: Scenario) -> tuple[Ends, np.ndarray]:
+    """What both ends ask for, and the hands' middle (3,) at the grasp, seen from between the shoulders, m."""
+    source = LoadSource(scenario)
+    task = MakeTask(scenario, source, MakeMotion(scenario, source))
+    coupled = RollOutTask(scenario, task)
+    x = coupled.x[[IndexAt(coupled, t) for t in task.held]]
+    middle = 0.5 * (x[:, 2] + x[:, 5])
+    line = x[:, 5] - x[:, 2]
+    moved = np.subtract(scenario.task.place_offset, scenario.task.take_offset)
+    level = bool(abs(middle[1, 2] - middle[0, 2]) < LEVEL_WITHIN)
+    hands = BoxHands(scenario, task.skill, source.dimensions.box_width or 0.0)
+    yaw = np.arctan2(line[:, 1], line[:, 0])
+    first = IndexAt(coupled, scenario.timing.rest_s)
+    person = 0.5 * (coupled.x[first:, 0] + coupled.x[first:, 3]).mean(axis=0)
+    ends = Ends(
+        apart=(float(np.max(hands.closed_m)), float(np.max(hands.open_m))),
+        yaw=(float(yaw[0]), float(yaw[1])),
+        way=middle[1] - middle[0],
+        shift=moved,
+        level=level,
+    )
+    return ends, middle[0] - person
+
+
+def sample(trials: Sequence[Trial], rows: Sequence[Mapping], most: int) -> list[RefusalCheck]:
+    """The first `most` refusals of a reason that can be looked at."""
+    checks = [
+        RefusalCheck(trial, row["classes"][0])
+        for trial, row in zip(trials, rows, strict=True)
+        if row["verdict"] == "refused" and row["classes"][0] in CHECKS
+    ]
+    return checks[:most]
+
+
+def refusals_right(rows: Sequence[Mapping]) -> Proportion | None:
+    """The share of refusals shown to be right; None of none."""
+    return proportion(sum(row["right"] for row in rows), len(rows)) if rows else None
+
+
+def refusal_table(rows: Sequence[Mapping]) -> Table:
+    """A row a refusal that was looked at."""
+    names = ("index", "reason", "right", "evidence")
+    return Table({name: [row[name] for row in rows] for name in names})

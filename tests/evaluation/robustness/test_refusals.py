@@ -1,0 +1,114 @@
+"""Refusals are looked at once more: what no arms can reach is told from what they can, and both are counted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drake_blfdmp.evaluation.robustness import refusals
+from drake_blfdmp.evaluation.robustness.reach_search import ANGLE_TOLERANCE, POSITION_TOLERANCE, Ends, ReachSearch
+from drake_blfdmp.evaluation.robustness.refusals import (
+    RefusalCheck,
+    check_reach,
+    refusal_table,
+    refusals_right,
+    sample,
+    wanted_ends,
+)
+from drake_blfdmp.evaluation.robustness.trial import make_trials
+from drake_blfdmp.evaluation.studies.intervals import proportion
+from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
+
+EASY = Ends(apart=(0.27, 0.40), yaw=(0.0, 0.0), way=np.array([0.1, 0.05, 0.0]), shift=np.zeros(3), level=True)
+
+
+@pytest.fixture(scope="module")
+def search():
+    return ReachSearch()
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.5])
+def test_a_posture_that_is_found_is_one(search, yaw):
+    """Told by the project's own kinematics, which the search does not use."""
+    middle = np.array([0.05, 0.45, 0.8])
+    q = search.facing(middle, 0.3, yaw)
+    assert q is not None
+    plant = MakeKinematicPlant()
+    limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(arm) for arm in ARMS])
+    assert np.all(q >= limits.lower - 1e-6) and np.all(q <= limits.upper + 1e-6)
+    normal = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+    for state, sign in zip(DualArmKinematics(plant).evaluate(q), (-1.0, 1.0), strict=True):
+        np.testing.assert_allclose(state.position, middle + sign * 0.15 * normal, atol=POSITION_TOLERANCE + 1e-5)
+        assert np.arccos(np.clip(-sign * state.rotation[:, 2] @ normal, -1, 1)) <= ANGLE_TOLERANCE + 1e-3
+
+
+def test_what_is_out_of_reach_has_none(search):
+    for middle in ([0.0, 1.3, 0.7], [0.0, 0.45, 1.9], [0.9, 0.4, 0.7]):
+        assert search.facing(middle, 0.3, 0.0) is None
+    assert search.facing([0.0, 0.45, 0.8], 2.0, 0.0) is None
+
+
+def test_both_ends_count_and_the_height_of_one_table(search):
+    found, tried = search.search(EASY, spacing=0.2)
+    assert len(found) == 1 and tried >= 1
+    place, scale = found[0]
+    release = EASY.release(place, scale)
+    np.testing.assert_allclose(release, place + scale * EASY.way)
+    assert search.end(place, EASY, 0) and search.end(release, EASY, 1)
+    raised = replace(EASY, shift=np.array([0.0, 0.0, 0.3]))
+    assert raised.release(place, scale)[2] == place[2]
+    assert replace(raised, level=False).release(place, scale)[2] == pytest.approx(place[2] + 0.3)
+    far = replace(EASY, shift=np.array([2.0, 0.0, 0.0]))
+    assert search.search(far, spacing=0.3)[0] == []
+
+
+def scenario_with(**offsets):
+    scenario = Scenario()
+    return replace(scenario, task=replace(scenario.task, **offsets))
+
+
+def test_a_release_metres_away_is_rightly_refused(monkeypatch):
+    monkeypatch.setattr(refusals, "ReachSearch", lambda: ReachSearch(starts=3))
+    monkeypatch.setattr(ReachSearch.search, "__defaults__", (0.3, 1))
+    right, evidence = check_reach(scenario_with(place_offset=[3.0, 0.0, 0.0]))
+    assert right is True and "no posture" in evidence
+
+
+def test_a_task_that_can_be_done_is_wrongly_refused(monkeypatch):
+    tried = []
+
+    def succeed(scenario):
+        tried.append(scenario)
+        return True, "carried with up to 70 N"
+
+    monkeypatch.setattr(refusals, "run_anyway", succeed)
+    right, evidence = check_reach(scenario_with(place_offset=[0.05, 0.0, 0.0]))
+    assert right is False and "succeeds with retarget.scale=" in evidence
+    assert tried[0].retarget.world is not None and tried[0].task.place_offset == [0.05, 0.0, 0.0]
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario: (False, "dropped"))
+    right, evidence = check_reach(scenario_with(place_offset=[0.05, 0.0, 0.0]))
+    assert right is False and "dropped" in evidence
+
+
+def test_the_ends_are_the_persons_and_the_boxs():
+    ends, middle = wanted_ends(scenario_with(place_offset=[0.1, 0.0, 0.0]))
+    assert ends.level and ends.apart[0] < 0.30 < ends.apart[1]
+    np.testing.assert_allclose(ends.shift, [0.1, 0.0, 0.0])
+    assert 0.1 < middle[1] < 0.6 and middle[2] < 0.0  # In front of the shoulders and below them.
+
+
+def test_checks_are_sampled_counted_and_told():
+    trials = make_trials(Scenario(), "default", 5)
+    kinds = ["reach", None, "input", "reach", "force"]
+    rows = [
+        {"verdict": "refused", "classes": [kind]} if kind else {"verdict": "success", "classes": []} for kind in kinds
+    ]
+    checks = sample(trials, rows, 2)
+    assert [check.trial.task.index for check in checks] == [0, 3]
+    assert [check.reason for check in sample(trials, rows, 9)] == ["reach", "reach", "force"]
+    assert isinstance(checks[0], RefusalCheck) and checks[0].key != trials[0].key
+    results = [checks[0].crashed("no end after 9 s, killed"), checks[1].crashed("") | {"right": True}]
+    assert refusals_right(results) == proportion(1, 2) and refusals_right([]) is None
+    assert refusal_table(results).rows()[0] == (0, "reach", False, "not shown: no end after 9 s, killed")
