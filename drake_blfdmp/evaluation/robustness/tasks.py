@@ -99,8 +99,6 @@ def task_scenario(base: Scenario, task: RandomTask, law: str) -> Scenario:
     The duration is the person's: the recording is played 1/duration times as fast (`timing.speed`). Where the arms need
     longer than that, the planner slows the motion down further; where they do not, it lasts as asked.
     """
-    # Until scenarios know where a box is taken.
-    take = {"take_offset": list(task.take_offset_m)} if hasattr(base.task, "take_offset") else {}
     return replace(
         base,
         name=f"robustness-{task.seed}-{task.index:04d}-{law}",
@@ -108,7 +106,7 @@ def task_scenario(base: Scenario, task: RandomTask, law: str) -> Scenario:
         law=law,
         synthetic=replace(base.synthetic, sensor=task.sensor, box_width=task.width_m),
         timing=replace(base.timing, speed=base.timing.speed / task.duration),
-        task=replace(base.task, place_offset=list(task.place_offset_m), **take),
+        task=replace(base.task, take_offset=list(task.take_offset_m), place_offset=list(task.place_offset_m)),
         box=replace(base.box, mass=task.mass_kg, friction=task.friction),
         reality=replace(base.reality, mass_scale=task.mass_scale, friction_scale=task.friction_scale),
         robustness=RobustnessConfig(),

@@ -70,6 +70,7 @@ def test_the_scenario_says_what_the_task_says_and_can_be_loaded_again(tmp_path):
     assert scenario.timing.speed == pytest.approx(2.0 / task.duration)
     assert scenario.box.mass == task.mass_kg and scenario.reality.mass_scale == task.mass_scale
     assert scenario.box.width is None and scenario.synthetic.box_width == task.width_m
+    assert scenario.task.take_offset == list(task.take_offset_m)
     assert scenario.task.place_offset == list(task.place_offset_m)
     # How many tasks are tried is not part of any.
     assert scenario.robustness == RobustnessConfig()
