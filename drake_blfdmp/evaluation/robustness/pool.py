@@ -5,11 +5,12 @@
 
 import os
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -137,6 +138,7 @@ def _how(process: BaseProcess) -> str:
 def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
     """A worker's life: take a job, answer, until the pipe is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the workers too; the parent kills them.
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     pipe.send(None)
     while True:
         try:
@@ -151,6 +153,14 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
             pipe.send(answer)
         except (BrokenPipeError, ConnectionResetError):
             return  # The parent is gone.
+
+
+def _end_with_parent() -> None:
+    """A parent that is killed cannot kill its workers: they do it themselves, in the middle of a job."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 @contextmanager

@@ -1,6 +1,9 @@
 """Worker processes: one that dies, hangs or raises costs its own job and no other."""
 
 import os
+import select
+import subprocess
+import sys
 
 import pytest
 from pool_jobs import behave
@@ -53,3 +56,29 @@ def test_workers_end_with_the_iteration_and_threads_are_put_back(monkeypatch):
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
     assert os.environ[THREADS[0]] == "7" and THREADS[1] not in os.environ
+
+
+SCRIPT = """
+import sys
+from pool_jobs import behave
+from drake_blfdmp.evaluation.robustness.pool import run_in_processes
+
+if __name__ == "__main__":
+    for end in run_in_processes(behave, [("pid", 0), ("hang", 0)], workers=1, timeout_s=600.0):
+        print(end.result, flush=True)
+"""
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    script = tmp_path / "campaign.py"
+    script.write_text(SCRIPT, encoding="utf-8")
+    path = os.pathsep.join(part for part in sys.path if part)
+    with subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": path}
+    ) as parent:
+        assert parent.stdout is not None
+        parent.stdout.readline()
+        parent.kill()
+        # The worker has the same standard output; it ends with the last process that holds it.
+        ready, _, _ = select.select([parent.stdout], [], [], 120.0)
+        assert ready and parent.stdout.read() == ""
