@@ -46,7 +46,8 @@ def success(shares: Mapping[str, tuple[Interval, Interval, int]], target: float)
         )  # fmt: skip
     axis.axvline(100.0 * target, **style.PLANNED)
     axis.set_yticks(range(len(shares)), [LAW_LOOKS[law]["label"] for law in shares])
-    axis.set(xlim=(-2, 102), ylim=(len(shares) - 0.5, -0.5), xlabel="feasible tasks (%), with 95 % intervals")
+    axis.set(xlim=(-2, 102), ylim=(max(len(shares), 1) - 0.5, -0.5))
+    axis.set_xlabel("feasible tasks (%), with 95 % intervals")
     axis.grid(axis="y", visible=False)
     marks = [
         Line2D([], [], color=style.DARK, marker="o", markerfacecolor=face, markersize=4, linewidth=width, label=label)
