@@ -85,8 +85,8 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
             "success": "Share of the feasible tasks that succeed, and in which the box is carried and placed within "
             "every limit, whatever the links do; dashed: the target.",
             "classes": "What fails, by the first class of each failure.",
-            "where": "Every task of the default law, over what was drawn; below, where the box stands and goes, of those "
-            "that were planned.",
+            "where": "Every task of the default law, over what was drawn; below, where the box stands and goes, of "
+            "those that were planned.",
             "accuracy": "Share of runs that place the box at least so closely, and tilt it at most so far.",
         },
         tables=tables,
