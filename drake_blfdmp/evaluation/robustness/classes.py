@@ -20,6 +20,7 @@ CLASSES = (
     "joint limit",
     "speed limit",
     "effort",
+    "squeeze",
     "violation",
     "unfinished",
     "tilt",
@@ -40,12 +41,14 @@ def failure_classes(summary: dict, thresholds: Thresholds = Thresholds()) -> lis
         summary: `summary.json` of a run with a box.
     """
     box, robot = summary["box"], summary["robot"]
+    limit = box["squeeze_limit_n"]
     missed: Mapping[str, bool] = {
         "dropped": box["dropped"],
         "collision": robot["min_clearance_m"] <= 0,
         "joint limit": robot["min_joint_margin_rad"] < 0,
         "speed limit": robot["max_velocity_ratio"] > 1,
         "effort": robot["max_effort_ratio"] >= 1,
+        "squeeze": limit is not None and box["squeeze_force_n"][1] > limit,
         "violation": any(link["violations"] for link in summary["links"].values()),
         "unfinished": not summary["feedback"]["finished"],
         "tilt": box["max_tilt_deg"] > thresholds.tilt_deg,

@@ -21,6 +21,12 @@ from drake_blfdmp.planning.task import BoxHands, MakeMotion, MakeTask, RollOutTa
 PLACES_TRIED = 4
 """How many of the places that the search finds for a yaw are given to the planner."""
 
+LIGHTER = 1000.0
+"""Of how many times as light a box the planner is told, so that it does not refuse its weight."""
+
+SQUEEZES = (0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+"""Of the force limit, the greatest that the planner takes; it keeps something for what the force varies by."""
+
 YAW_SHARES = (1.0, 0.5, 0.0)
 LARGEST_YAW = np.deg2rad(45.0)
 """Shares of the yaw of the person's hands, and the largest, rad."""
@@ -76,33 +82,46 @@ def check_reach(scenario: Scenario) -> tuple[bool, str]:
         task = replace(scenario.task, take_offset=[0.0, 0.0, 0.0], place_offset=[float(v) for v in ends.shift])
         world = [float(v) for v in place - scale * middle]
         there = replace(scenario, task=task, retarget=replace(scenario.retarget, scale=scale, world=world))
-        carried, told = run_anyway(there)
+        carried, told, _ = run_anyway(there)
         if carried:
             return False, f"succeeds with retarget.scale={scale:g}, retarget.world={np.round(world, 3).tolist()}"
     return False, f"both ends can be reached at {len(found)} places, yet no plan there succeeds: {told}"
 
 
 def check_force(scenario: Scenario) -> tuple[bool, str]:
-    """Right where even the greatest force that is allowed does not carry the box, or takes more than that."""
+    """Right where the greatest squeeze that is allowed does not carry the box, or a palm presses harder than allowed.
+
+    The planner is told of a light box, which it does not refuse; the simulated one is as heavy as the task's.
+    """
     limit = scenario.task.force_limit
-    task = replace(scenario.task, squeeze=None, squeeze_force=limit, force_limit=10.0 * limit)
-    carried, told = run_anyway(replace(scenario, task=task), limit)
-    return not carried, f"with {limit:g} N: {told}"
+    believed, told = scenario.box.mass / LIGHTER, "none was planned"
+    box, reality = (
+        replace(scenario.box, mass=believed),
+        replace(scenario.reality, mass_scale=LIGHTER, friction_scale=1.0),
+    )
+    for share in SQUEEZES:
+        task = replace(scenario.task, squeeze=None, squeeze_force=share * limit)
+        carried, told, refused = run_anyway(replace(scenario, box=box, reality=reality, task=task), limit)
+        if refused != "force":  # Else more than the arms can: squeeze less.
+            return not carried, f"squeezed with {share * limit:.0f} N: {told}"
+    return False, f"not shown: {told}"
 
 
 CHECKS: Mapping[str, Callable[[Scenario], tuple[bool, str]]] = {"reach": check_reach, "force": check_force}
 
 
-def run_anyway(scenario: Scenario, force_limit: float = np.inf) -> tuple[bool, str]:
-    """Whether a changed scenario succeeds, with no palm pressing harder than `force_limit`, N; and what happened."""
+def run_anyway(scenario: Scenario, force_limit: float = np.inf) -> tuple[bool, str, str]:
+    """Whether a changed scenario succeeds, with no palm pressing harder than `force_limit`, N; what happened; and why
+    it was refused again, if it was.
+    """
     try:
         summary = Judge(MakePlan(scenario))
     except BlfDmpError as error:
-        return False, str(error)
+        return False, str(error), error.reason
     greatest = summary["box"]["squeeze_force_n"][1]
     if summary["success"] and greatest > force_limit:
-        return False, f"carried, but with up to {greatest:.0f} N"
-    return summary["success"], " ".join(summary["failures"]) or f"carried with up to {greatest:.0f} N"
+        return False, f"carried, but with up to {greatest:.0f} N", ""
+    return summary["success"], " ".join(summary["failures"]) or f"carried with up to {greatest:.0f} N", ""
 
 
 def wanted_ends(scenario: Scenario) -> tuple[Ends, np.ndarray]:

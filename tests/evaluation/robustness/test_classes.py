@@ -25,6 +25,7 @@ GOOD = {
         "max_tilt_deg": 0.5,
         "max_slip_m": 0.0,
         "squeeze_force_n": [45.0, 75.0],
+        "squeeze_limit_n": 120.0,
     },
     "robot": {
         "min_joint_margin_rad": 0.2,
@@ -41,6 +42,7 @@ BAD = {
     "joint limit": ("robot", "min_joint_margin_rad", -0.01),
     "speed limit": ("robot", "max_velocity_ratio", 1.01),
     "effort": ("robot", "max_effort_ratio", 1.0),
+    "squeeze": ("box", "squeeze_force_n", [45.0, 121.0]),
     "unfinished": ("feedback", "finished", False),
     "tilt": ("box", "max_tilt_deg", 5.1),
     "placement": ("box", "placement_error_m", 0.0101),

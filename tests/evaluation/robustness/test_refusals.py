@@ -81,15 +81,37 @@ def test_a_task_that_can_be_done_is_wrongly_refused(monkeypatch):
 
     def succeed(scenario):
         tried.append(scenario)
-        return True, "carried with up to 70 N"
+        return True, "carried with up to 70 N", ""
 
     monkeypatch.setattr(refusals, "run_anyway", succeed)
     right, evidence = check_reach(scenario_with(place_offset=[0.05, 0.0, 0.0]))
     assert right is False and "succeeds with retarget.scale=" in evidence
     assert tried[0].retarget.world is not None and tried[0].task.place_offset == [0.05, 0.0, 0.0]
-    monkeypatch.setattr(refusals, "run_anyway", lambda scenario: (False, "dropped"))
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario: (False, "dropped", ""))
     right, evidence = check_reach(scenario_with(place_offset=[0.05, 0.0, 0.0]))
     assert right is False and "dropped" in evidence
+
+
+def test_a_force_that_is_refused_is_tried_with_the_greatest_squeeze_that_is_taken(monkeypatch):
+    tried = []
+
+    def answer(scenario, limit):
+        tried.append(scenario)
+        refused = scenario.task.squeeze_force > 0.65 * limit
+        return (False, "the arms' strength", "force") if refused else (False, "The box was dropped.", "")
+
+    monkeypatch.setattr(refusals, "run_anyway", answer)
+    heavy = replace(Scenario(), box=replace(Scenario().box, mass=9.0))
+    right, evidence = refusals.check_force(heavy)
+    assert right is True and "72 N" in evidence and "dropped" in evidence
+    assert [scenario.task.squeeze_force for scenario in tried] == pytest.approx([96.0, 84.0, 72.0])
+    # Told of a light box, given the heavy one.
+    assert tried[-1].box.mass < 0.01 and tried[-1].box.mass * tried[-1].reality.mass_scale == pytest.approx(9.0)
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, limit: (True, "carried with up to 90 N", ""))
+    assert refusals.check_force(heavy)[0] is False
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, limit: (False, "too strong", "force"))
+    right, evidence = refusals.check_force(heavy)
+    assert right is False and "not shown" in evidence
 
 
 def test_the_ends_are_the_persons_and_the_boxs():
