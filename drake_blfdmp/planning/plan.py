@@ -50,8 +50,13 @@ TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
 
 
-def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) -> Plan:
+def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, *, heed_clearance: bool = True) -> Plan:
     """Plan the whole run.
+
+    Args:
+        scenario: what is to be done.
+        progress: called with what is being done and the share of it done.
+        heed_clearance: False plans what comes too near to the tables, too, to show what would become of it.
 
     Raises:
         RecordingError, SkillError, ScenarioError, TaskError: one line that says what, where and what to do.
@@ -91,8 +96,10 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
             retreat_s=trim * scenario.timing.retreat_s,
         )
         try:
-            plan = _plan(replace(scenario, timing=timing), source, box, plant, kinematics, limits, progress)
-            if trim > TRIMS[-1] and not whole:
+            plan = _plan(
+                replace(scenario, timing=timing), source, box, plant, kinematics, limits, progress, heed_clearance
+            )
+            if heed_clearance and trim > TRIMS[-1] and not whole:
                 _check_clearance(plan)
         except TaskError as error:
             failure = failure or error
@@ -113,7 +120,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None) 
     raise failure or TaskError("plan: nothing was tried", reason="reach")
 
 
-def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
+def _plan(scenario, source, box, plant, kinematics, limits, progress, heed_clearance) -> Plan:
     notes: list[str] = []
     motion = MakeMotion(scenario, source)
     progress("learning the skill", 0.0)
@@ -156,7 +163,7 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress) -> Plan:
     for trial in range(len(ROOM_NOTES) + 1):
         lacking = _lacking_room(scenario, coupled, task, reach.retarget, box, same_level)
         worst = int(np.argmax(lacking))
-        if lacking[worst] <= 0.0:
+        if lacking[worst] <= 0.0 or (trial == len(ROOM_NOTES) and not heed_clearance):
             break
         if trial == len(ROOM_NOTES):
             raise TaskError(

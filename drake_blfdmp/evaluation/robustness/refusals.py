@@ -107,15 +107,29 @@ def check_force(scenario: Scenario) -> tuple[bool, str]:
     return False, f"not shown: {told}"
 
 
-CHECKS: Mapping[str, Callable[[Scenario], tuple[bool, str]]] = {"reach": check_reach, "force": check_force}
+def check_clearance(scenario: Scenario) -> tuple[bool, str]:
+    """Right where the task, planned as if there were room, does not succeed."""
+    carried, told, refused = run_anyway(scenario, heed_clearance=False)
+    if refused:
+        return False, f"not shown: {told}"
+    return not carried, told
 
 
-def run_anyway(scenario: Scenario, force_limit: float = np.inf) -> tuple[bool, str, str]:
+CHECKS: Mapping[str, Callable[[Scenario], tuple[bool, str]]] = {
+    "reach": check_reach,
+    "force": check_force,
+    "clearance": check_clearance,
+}
+
+
+def run_anyway(
+    scenario: Scenario, force_limit: float = np.inf, *, heed_clearance: bool = True
+) -> tuple[bool, str, str]:
     """Whether a changed scenario succeeds, with no palm pressing harder than `force_limit`, N; what happened; and why
     it was refused again, if it was.
     """
     try:
-        summary = Judge(MakePlan(scenario))
+        summary = Judge(MakePlan(scenario, heed_clearance=heed_clearance))
     except BlfDmpError as error:
         return False, str(error), error.reason
     greatest = summary["box"]["squeeze_force_n"][1]

@@ -114,6 +114,26 @@ def test_a_force_that_is_refused_is_tried_with_the_greatest_squeeze_that_is_take
     assert right is False and "not shown" in evidence
 
 
+@pytest.mark.parametrize(
+    ("answer", "right"),
+    [
+        ((False, "The box tilted by 30.0 degrees.", ""), True),
+        ((True, "carried with up to 70 N", ""), False),
+        ((False, "the arms are in each other's way", "clearance"), False),
+    ],
+)
+def test_what_is_refused_for_clearance_is_run_without_heed_of_it(monkeypatch, answer, right):
+    heeded = []
+
+    def run(scenario, *, heed_clearance):
+        heeded.append(heed_clearance)
+        return answer
+
+    monkeypatch.setattr(refusals, "run_anyway", run)
+    found, evidence = refusals.check_clearance(Scenario())
+    assert found is right and answer[1] in evidence and heeded == [False]
+
+
 def test_the_ends_are_the_persons_and_the_boxs():
     ends, middle = wanted_ends(scenario_with(place_offset=[0.1, 0.0, 0.0]))
     assert ends.level and ends.apart[0] < 0.30 < ends.apart[1]
