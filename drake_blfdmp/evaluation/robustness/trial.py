@@ -46,7 +46,11 @@ class Trial:
             told = {"verdict": verdict, "classes": [kind], "message": str(error)}
             return row | told | {"plan_s": time.perf_counter() - started}
         planned = time.perf_counter()
-        summary = Judge(plan)
+        try:
+            summary = Judge(plan)
+        except BlfDmpError as error:  # A number that is not finite, say.
+            told = {"verdict": "failure", "classes": ["diverged"], "message": str(error)}
+            return row | told | {"plan_s": planned - started, "run_s": time.perf_counter() - planned}
         return row | {
             "verdict": "success" if summary["success"] else "failure",
             "classes": failure_classes(summary),

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from drake_blfdmp.errors import TaskError
+from drake_blfdmp.errors import BlfDmpError, TaskError
 from drake_blfdmp.evaluation.robustness import trial as module
 from drake_blfdmp.evaluation.robustness.campaign import run_jobs
 from drake_blfdmp.evaluation.robustness.quick import quick_base
@@ -56,6 +56,17 @@ def test_what_the_planner_refuses_is_a_row_with_its_reason(slippery, monkeypatch
     row = slippery.run()
     assert (row["verdict"], row["classes"], row["message"]) == ("refused", ["reach"], "reach: too far")
     assert row["measured"] is None and row["plan_s"] >= 0.0 and row["run_s"] is None
+
+
+def test_a_simulation_that_cannot_go_on_is_a_failure_of_its_own(slippery, monkeypatch):
+    def stop(plan):
+        raise BlfDmpError("ik, position: not finite at 1.2 s")
+
+    monkeypatch.setattr(module, "MakePlan", lambda scenario: None)
+    monkeypatch.setattr(module, "Judge", stop)
+    row = slippery.run()
+    assert (row["verdict"], row["classes"]) == ("failure", ["diverged"])
+    assert row["message"].startswith("ik, position") and row["measured"] is None and row["run_s"] >= 0.0
 
 
 def test_keys_differ_with_the_task_the_law_and_every_setting():
