@@ -81,7 +81,7 @@ def task_table(rows: Sequence[Mapping]) -> Table:
         columns |= {f"{end}_{axis}_m": [_number(row, f"{end}_m", i) for row in rows] for i, axis in enumerate("xyz")}
     for name in ("plan_s", "run_s"):
         columns[name] = [float("nan") if row[name] is None else row[name] for row in rows]
-    columns["message"] = [row["message"] for row in rows]
+    columns |= {"message": [row["message"] for row in rows], "notes": ["; ".join(row["notes"]) for row in rows]}
     return Table(columns)
 
 

@@ -34,8 +34,8 @@ class Trial:
 
         Returns:
             `verdict` and `classes` as in `classes`; `message`: why it was refused, or each missed threshold's sentence;
-            `measured`: numbers of the summary and the plan, None where nothing was simulated; `plan_s`, `run_s`: wall
-            time.
+            `notes`: what the planner changed; `measured`: numbers of the summary and the plan, None where nothing was
+            simulated; `plan_s`, `run_s`: wall time.
         """
         row = self.crashed("")
         started = time.perf_counter()
@@ -52,6 +52,7 @@ class Trial:
             told = {"verdict": "failure", "classes": ["diverged"], "message": str(error)}
             return row | told | {"plan_s": planned - started, "run_s": time.perf_counter() - planned}
         return row | {
+            "notes": list(plan.notes),
             "verdict": "success" if summary["success"] else "failure",
             "classes": failure_classes(summary),
             "message": " ".join(summary["failures"]),
@@ -69,6 +70,7 @@ class Trial:
             "verdict": "crash",
             "classes": ["crash"],
             "message": error,
+            "notes": [],
             "measured": None,
             "plan_s": None,
             "run_s": None,

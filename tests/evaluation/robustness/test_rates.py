@@ -42,6 +42,7 @@ def row(index, verdict="success", classes=(), law="default", **measured):
         "verdict": verdict,
         "classes": list(classes),
         "message": "",
+        "notes": ["slowed down", "release moved"] if ran else [],
         "measured": FINE | measured if ran else None,
         "plan_s": None if verdict == "crash" else 2.0,
         "run_s": 9.0 if ran else None,
@@ -147,6 +148,7 @@ def test_tables_have_a_row_for_each_task_and_law():
     np.testing.assert_array_equal(columns["max_tilt_deg"], [0.5, np.nan, 0.5, 40.0, np.nan])
     assert columns["place_offset_x_m"][3] == draw_task(0, 3).place_offset_m[0]
     assert columns["goal_y_m"][0] == 0.5
+    assert columns["notes"][:2] == ["slowed down; release moved", ""]
 
 
 def test_groups_leave_out_what_was_refused():
