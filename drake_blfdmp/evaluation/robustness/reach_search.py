@@ -1,9 +1,9 @@
-"""Whether any place and scale lets two arms take a box and put it down: a search that has nothing of the planner's.
+"""Whether any place and scale lets two arms carry a box along its way: a search that has nothing of the planner's.
 
 Drake's InverseKinematics from many starts, over a grid of places and over scales. Only what every plan must do is
-asked: both palms flat on the box's sides, and as far apart as they open, where it is taken and where it is put down,
-one place seen from the other as the task says. The palms' rolls are free, no margin from limits is asked, bodies may
-overlap and nothing is said about the way between. So what this search cannot find, no plan can do.
+asked: both palms flat on the box's sides at samples of the way, and at both ends as far apart as they open. The palms'
+rolls are free at every sample, no margin from limits is asked, elbows are where they like, bodies may overlap, and no
+posture need lead to the next. So where this search finds nothing, no plan follows the way.
 """
 
 from dataclasses import dataclass
@@ -28,29 +28,31 @@ POSITION_TOLERANCE, ANGLE_TOLERANCE = 2e-3, 0.02
 
 
 @dataclass(frozen=True)
-class Ends:
-    """What is asked at the grasp and at the release.
+class Way:
+    """What is asked at K samples, from the grasp to the release.
 
     Attributes:
-        apart: palms' distances at each end, m: closed and open.
-        yaw: (2,) of the line between the palms, left to right, rad.
-        way: (3,) from the middle of the hands at the grasp to that at the release, of the person's size, m.
+        apart: K tuples of the palms' distances, m: closed, and at the ends open as well.
+        yaw: (K,) of the line between the palms, left to right, rad.
+        way: (K, 3) the middle of the hands, seen from the grasp, of the person's size, m.
+        share: (K,) of the shift that is done there, from 0 to 1.
         shift: (3,) what the release is moved by in W, in addition, and the grasp is not, m.
         level: both ends are at one height.
     """
 
-    apart: tuple[float, ...]
-    yaw: tuple[float, float]
+    apart: tuple[tuple[float, ...], ...]
+    yaw: np.ndarray
     way: np.ndarray
+    share: np.ndarray
     shift: np.ndarray
     level: bool
 
-    def release(self, grasp, scale: float) -> np.ndarray:
-        """The hands' middle (3,) at the release, of that at the grasp, m in W."""
-        end = np.asarray(grasp) + scale * self.way + self.shift
+    def middles(self, grasp, scale: float) -> np.ndarray:
+        """The hands' middle (K, 3), of that at the grasp, m in W."""
+        shift = np.array(self.shift, dtype=float)
         if self.level:
-            end[2] = grasp[2]
-        return end
+            shift[2] = -scale * self.way[-1, 2]
+        return np.asarray(grasp) + scale * self.way + self.share[:, None] * shift
 
 
 class ReachSearch:
@@ -119,14 +121,11 @@ class ReachSearch:
                 return np.asarray(result.GetSolution(ik.q()))[own]
         return None
 
-    def end(self, middle, ends: Ends, which: int) -> bool:
-        """Whether both palms can be about a point at each of their distances; `which`: 0 the grasp, 1 the release."""
-        return all(self.facing(middle, apart, ends.yaw[which]) is not None for apart in ends.apart)
-
-    def search(self, ends: Ends, spacing: float = SPACING, most: int = 1) -> tuple[list[tuple[np.ndarray, float]], int]:
-        """Places of the hands' middle at the grasp, m in W, with scales, at which both ends can be reached.
+    def search(self, way: Way, spacing: float = SPACING, most: int = 1) -> tuple[list[tuple[np.ndarray, float]], int]:
+        """Places of the hands' middle at the grasp, m in W, with scales, at which every sample has its postures.
 
         Args:
+            way: what is asked.
             spacing: of the grid of places, m.
             most: how many are enough.
 
@@ -137,14 +136,22 @@ class ReachSearch:
         axes = [np.arange(low, high + 1e-9, spacing) for low, high in zip(*REGION, strict=True)]
         # From the middle outwards: what is easy is found soon.
         places = sorted((np.array(place) for place in product(*axes)), key=lambda p: np.linalg.norm(p - MIDDLE))
+        order = [0, *range(len(way.share) - 1, 0, -1)]  # What failed last is asked first, after the grasp.
         for place in places:
             tried += len(SCALES)
-            if not self.end(place, ends, 0):
+            if not self._sample(way, 0, place):
                 continue
             for scale in reversed(SCALES):
-                if self.end(ends.release(place, scale), ends, 1):
+                middles = way.middles(place, scale)
+                failed = next((k for k in order[1:] if not self._sample(way, k, middles[k])), None)
+                if failed is None:
                     found.append((place, scale))
                     break
+                order.remove(failed)
+                order.insert(1, failed)
             if len(found) >= most:
                 break
         return found, tried
+
+    def _sample(self, way: Way, k: int, middle: np.ndarray) -> bool:
+        return all(self.facing(middle, apart, float(way.yaw[k])) is not None for apart in way.apart[k])

@@ -6,20 +6,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drake_blfdmp.errors import BlfDmpError
-from drake_blfdmp.evaluation.robustness.reach_search import Ends, ReachSearch
+from drake_blfdmp.evaluation.robustness.reach_search import ReachSearch, Way
 from drake_blfdmp.evaluation.robustness.trial import Trial
 from drake_blfdmp.evaluation.simulation import Judge
 from drake_blfdmp.evaluation.studies.intervals import Proportion, proportion
 from drake_blfdmp.evaluation.study import Table
-from drake_blfdmp.planning.plan import MakePlan
+from drake_blfdmp.planning.plan import MakePlan, ShiftWindow
 from drake_blfdmp.planning.planned import IndexAt
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.supports import LEVEL_WITHIN
 from drake_blfdmp.planning.task import BoxHands, MakeMotion, MakeTask, RollOutTask
+from drake_blfdmp.skill.profiles import smooth_step
 
 PLACES_TRIED = 4
 """How many of the places that the search finds for a yaw are given to the planner."""
+
+SAMPLES = 13
+"""Of the carry, that must have postures."""
 
 LIGHTER = 1000.0
 """Of how many times as light a box the planner is told, so that it does not refuse its weight."""
@@ -63,29 +67,29 @@ class RefusalCheck:
 
 
 def check_reach(scenario: Scenario) -> tuple[bool, str]:
-    """Right where no place and no scale lets both palms take the box and put it down; see `reach_search`.
+    """Right where no place and no scale lets both palms carry the box along its way; see `reach_search`.
 
     What the search finds is given to the planner, place and scale fixed: a plan there that succeeds shows that the
     refusal was wrong. Where none does, nothing is shown.
     """
-    ends, middle = wanted_ends(scenario)
+    way, middle = wanted_way(scenario)
     search, looked_at, found = ReachSearch(), 0, []
     for share in YAW_SHARES:  # As the planner may limit it.
-        yaw = share * np.clip(ends.yaw, -LARGEST_YAW, LARGEST_YAW)
-        places, tried = search.search(replace(ends, yaw=(float(yaw[0]), float(yaw[1]))), most=PLACES_TRIED)
+        limited = replace(way, yaw=share * np.clip(way.yaw, -LARGEST_YAW, LARGEST_YAW))
+        places, tried = search.search(limited, most=PLACES_TRIED)
         found, looked_at = found + places, looked_at + tried
     if not found:
-        return True, f"no posture at both ends at any of {looked_at} pairs of a place and a scale"
+        return True, f"no postures along the way at any of {looked_at} pairs of a place and a scale"
     told = ""
     for place, scale in found:
         # What counts is where the one end is, seen from the other: the place is free.
-        task = replace(scenario.task, take_offset=[0.0, 0.0, 0.0], place_offset=[float(v) for v in ends.shift])
+        task = replace(scenario.task, take_offset=[0.0, 0.0, 0.0], place_offset=[float(v) for v in way.shift])
         world = [float(v) for v in place - scale * middle]
         there = replace(scenario, task=task, retarget=replace(scenario.retarget, scale=scale, world=world))
         carried, told, _ = run_anyway(there)
         if carried:
             return False, f"succeeds with retarget.scale={scale:g}, retarget.world={np.round(world, 3).tolist()}"
-    return False, f"both ends can be reached at {len(found)} places, yet no plan there succeeds: {told}"
+    return False, f"not shown: postures all along the way at {len(found)} places, yet no plan there succeeds: {told}"
 
 
 def check_force(scenario: Scenario) -> tuple[bool, str]:
@@ -138,28 +142,30 @@ def run_anyway(
     return summary["success"], " ".join(summary["failures"]) or f"carried with up to {greatest:.0f} N", ""
 
 
-def wanted_ends(scenario: Scenario) -> tuple[Ends, np.ndarray]:
-    """What both ends ask for, and the hands' middle (3,) at the grasp, seen from between the shoulders, m."""
+def wanted_way(scenario: Scenario) -> tuple[Way, np.ndarray]:
+    """What the carry asks for, and the hands' middle (3,) at the grasp, seen from between the shoulders, m."""
     source = LoadSource(scenario)
     task = MakeTask(scenario, source, MakeMotion(scenario, source))
     coupled = RollOutTask(scenario, task)
-    x = coupled.x[[IndexAt(coupled, t) for t in task.held]]
-    middle = 0.5 * (x[:, 2] + x[:, 5])
-    line = x[:, 5] - x[:, 2]
-    moved = np.subtract(scenario.task.place_offset, scenario.task.take_offset)
-    level = bool(abs(middle[1, 2] - middle[0, 2]) < LEVEL_WITHIN)
+    first, last = (IndexAt(coupled, t) for t in task.held)
+    k = np.linspace(first, last, SAMPLES).round().astype(int)
+    x = coupled.x[k]
+    middle, line = 0.5 * (x[:, 2] + x[:, 5]), x[:, 5] - x[:, 2]
+    level = bool(abs(middle[-1, 2] - middle[0, 2]) < LEVEL_WITHIN)
+    begin, end = ShiftWindow(coupled, task, level)
     hands = BoxHands(scenario, task.skill, source.dimensions.box_width or 0.0)
-    yaw = np.arctan2(line[:, 1], line[:, 0])
-    first = IndexAt(coupled, scenario.timing.rest_s)
-    person = 0.5 * (coupled.x[first:, 0] + coupled.x[first:, 3]).mean(axis=0)
-    ends = Ends(
-        apart=(float(np.max(hands.closed_m)), float(np.max(hands.open_m))),
-        yaw=(float(yaw[0]), float(yaw[1])),
-        way=middle[1] - middle[0],
-        shift=moved,
+    closed, opened = float(np.max(hands.closed_m)), float(np.max(hands.open_m))
+    rest = IndexAt(coupled, scenario.timing.rest_s)
+    person = 0.5 * (coupled.x[rest:, 0] + coupled.x[rest:, 3]).mean(axis=0)
+    way = Way(
+        apart=((closed, opened), *((closed,) for _ in k[1:-1]), (closed, opened)),
+        yaw=np.arctan2(line[:, 1], line[:, 0]),
+        way=middle - middle[0],
+        share=smooth_step((coupled.t[k] - begin) / (end - begin))[0],
+        shift=np.subtract(scenario.task.place_offset, scenario.task.take_offset),
         level=level,
     )
-    return ends, middle[0] - person
+    return way, middle[0] - person
 
 
 def sample(trials: Sequence[Trial], rows: Sequence[Mapping], most: int) -> list[RefusalCheck]:

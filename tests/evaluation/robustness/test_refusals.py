@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.evaluation.robustness import refusals
-from drake_blfdmp.evaluation.robustness.reach_search import ANGLE_TOLERANCE, POSITION_TOLERANCE, Ends, ReachSearch
+from drake_blfdmp.evaluation.robustness.reach_search import ANGLE_TOLERANCE, POSITION_TOLERANCE, ReachSearch, Way
 from drake_blfdmp.evaluation.robustness.refusals import (
     RefusalCheck,
     check_reach,
     refusal_table,
     refusals_right,
     sample,
-    wanted_ends,
+    wanted_way,
 )
 from drake_blfdmp.evaluation.robustness.trial import make_trials
 from drake_blfdmp.evaluation.studies.intervals import proportion
@@ -21,7 +21,14 @@ from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 
-EASY = Ends(apart=(0.27, 0.40), yaw=(0.0, 0.0), way=np.array([0.1, 0.05, 0.0]), shift=np.zeros(3), level=True)
+EASY = Way(
+    apart=((0.27, 0.40), (0.27,), (0.27, 0.40)),
+    yaw=np.zeros(3),
+    way=np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.2], [0.1, 0.05, 0.03]]),
+    share=np.array([0.0, 0.5, 1.0]),
+    shift=np.zeros(3),
+    level=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,18 +57,21 @@ def test_what_is_out_of_reach_has_none(search):
     assert search.facing([0.0, 0.45, 0.8], 2.0, 0.0) is None
 
 
-def test_both_ends_count_and_the_height_of_one_table(search):
+def test_the_whole_way_counts_and_one_table_has_one_height(search):
     found, tried = search.search(EASY, spacing=0.2)
     assert len(found) == 1 and tried >= 1
     place, scale = found[0]
-    release = EASY.release(place, scale)
-    np.testing.assert_allclose(release, place + scale * EASY.way)
-    assert search.end(place, EASY, 0) and search.end(release, EASY, 1)
-    raised = replace(EASY, shift=np.array([0.0, 0.0, 0.3]))
-    assert raised.release(place, scale)[2] == place[2]
-    assert replace(raised, level=False).release(place, scale)[2] == pytest.approx(place[2] + 0.3)
-    far = replace(EASY, shift=np.array([2.0, 0.0, 0.0]))
-    assert search.search(far, spacing=0.3)[0] == []
+    middles = EASY.middles(place, scale)
+    np.testing.assert_allclose(middles[0], place)
+    np.testing.assert_allclose(middles[-1], place + scale * np.array([0.1, 0.05, 0.0]))
+    assert middles[1, 2] == pytest.approx(place[2] + scale * (0.2 - 0.5 * 0.03))
+    assert all(search.facing(middle, 0.27, 0.0) is not None for middle in middles)
+    stairs = replace(EASY, level=False, shift=np.array([0.0, 0.0, 0.1]))
+    assert stairs.middles(place, scale)[-1, 2] == pytest.approx(place[2] + scale * 0.03 + 0.1)
+    for k in (1, 2):  # Not only the ends.
+        way = EASY.way.copy()
+        way[k, 0] = 9.0
+        assert search.search(replace(EASY, way=way), spacing=0.3)[0] == []
 
 
 def scenario_with(**offsets):
@@ -73,7 +83,7 @@ def test_a_release_metres_away_is_rightly_refused(monkeypatch):
     monkeypatch.setattr(refusals, "ReachSearch", lambda: ReachSearch(starts=3))
     monkeypatch.setattr(ReachSearch.search, "__defaults__", (0.3, 1))
     right, evidence = check_reach(scenario_with(place_offset=[3.0, 0.0, 0.0]))
-    assert right is True and "no posture" in evidence
+    assert right is True and "no postures" in evidence
 
 
 def test_a_task_that_can_be_done_is_wrongly_refused(monkeypatch):
@@ -134,10 +144,13 @@ def test_what_is_refused_for_clearance_is_run_without_heed_of_it(monkeypatch, an
     assert found is right and answer[1] in evidence and heeded == [False]
 
 
-def test_the_ends_are_the_persons_and_the_boxs():
-    ends, middle = wanted_ends(scenario_with(place_offset=[0.1, 0.0, 0.0]))
-    assert ends.level and ends.apart[0] < 0.30 < ends.apart[1]
-    np.testing.assert_allclose(ends.shift, [0.1, 0.0, 0.0])
+def test_the_way_is_the_persons_and_the_boxs():
+    way, middle = wanted_way(scenario_with(place_offset=[0.1, 0.0, 0.0]))
+    assert way.level and len(way.apart) == len(way.share) == refusals.SAMPLES
+    assert way.apart[0][0] < 0.30 < way.apart[0][1] and len(way.apart[1]) == 1
+    np.testing.assert_allclose(way.shift, [0.1, 0.0, 0.0])
+    assert way.share[0] == 0.0 and way.share[-1] == pytest.approx(1.0) and np.all(np.diff(way.share) >= 0)
+    assert way.way[:, 2].max() > 0.15
     assert 0.1 < middle[1] < 0.6 and middle[2] < 0.0  # In front of the shoulders and below them.
 
 
