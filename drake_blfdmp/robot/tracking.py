@@ -194,27 +194,19 @@ class DualArmTracker:
         nearest, record = np.inf, np.zeros(0)
         if self._pairs is not None:
             record = self._pairs.near(q, near)
-            pairs = self._pairs.carried_on(record, q)
-            nearest = float(pairs[0].min(initial=np.inf))
-            q_dot, scale = self._clear(
-                pairs, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step
+            distances, rows = self._pairs.carried_on(record, q)
+            nearest = float(distances.min(initial=np.inf))
+            least = self._pairs.least_rates(
+                distances, rows, gains.limit_gain, CORRECTION_SHARE * acceleration, time_step
             )
+            if np.any(rows @ q_dot.ravel() < least - REACHED):
+                bases = np.array([inverse @ command for (inverse, _), command in zip(inverses, commands, strict=True)])
+                q_dot, scale = nearest_velocities(jacobians, bases, q_dot, low, high, rows, least)
         # The last digit is the bounds'.
         q_dot = np.minimum(np.maximum(q_dot, low), high)
         moved = (jacobians @ q_dot[..., None])[..., 0]
         palms = np.array([state.position for state in states]) + time_step * moved[:, 3:]
         return Tracked(q_dot.ravel(), scale, now, twist_size(moved - scale[:, None] * commands), nearest, palms, record)
-
-    def _clear(self, pairs, q_dot, scale, inverses, jacobians, commands, low, high, acceleration, time_step):
-        """Velocities (2, 7) and scales (2,) that also keep the arms apart: near `pairs` as distances and rows."""
-        distances, rows = pairs
-        least = self._pairs.least_rates(
-            distances, rows, self._gains.limit_gain, CORRECTION_SHARE * acceleration, time_step
-        )
-        if np.any(rows @ q_dot.ravel() < least - REACHED):
-            bases = np.array([inverse @ command for (inverse, _), command in zip(inverses, commands, strict=True)])
-            q_dot, scale = nearest_velocities(jacobians, bases, q_dot, low, high, rows, least)
-        return q_dot, scale
 
     def _bounds(self, q, previous, acceleration, time_step, commanded):
         """The interval of each joint's velocity, (14,) and (14,): from its limits at q, and what it can reach."""

@@ -9,8 +9,9 @@ from pydrake.systems.framework import LeafSystem
 
 from drake_blfdmp.errors import ScenarioError
 from drake_blfdmp.robot.palm_feedback import effective_distance, filter_matrices, filtered, palm_positions
-from drake_blfdmp.skeleton import HANDS
-from drake_blfdmp.skill.geometry import link_states
+from drake_blfdmp.skeleton import HANDS, LINKS
+
+_LEFT, _RIGHT = (slice(3 * point, 3 * point + 3) for point in (LINKS[HANDS].a, LINKS[HANDS].b))
 
 
 class Squeeze(NamedTuple):
@@ -104,10 +105,12 @@ class HandsObserver(LeafSystem):
         output.SetFromVector([distance / self._scale])
 
     def _lengths(self, context):
-        rho, rho_dot, _, _ = link_states(
-            self._position.Eval(context).reshape(6, 3), self._velocity.Eval(context).reshape(6, 3)
+        r, r_dot = (
+            np.asarray(port.Eval(context))[_RIGHT] - np.asarray(port.Eval(context))[_LEFT]
+            for port in (self._position, self._velocity)
         )
-        return rho[HANDS], rho_dot[HANDS]
+        rho = np.sqrt(r @ r)
+        return rho, r @ r_dot / rho
 
     def _step(self, context, rho):
         """e_f, e_f' now and after the coming step, and its length on the skill's clock, s."""
