@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from drake_blfdmp.robot.following import Following
 from drake_blfdmp.robot.plant import HOME
-from drake_blfdmp.robot.posture import Following
 from drake_blfdmp.robot.retargeting import Retarget, faded_overhead, retarget_motion
 
 MAP = Retarget(1.0, np.zeros(3), np.array([0.0, 0.4, 0.8]), np.zeros(2))
