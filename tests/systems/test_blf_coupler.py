@@ -45,7 +45,8 @@ def test_ports():
 
 
 def test_the_outputs_are_those_of_the_law():
-    demanded, xi, xi_dot = link_acceleration(X, VELOCITY, BANDS, GAINS)
+    rho, rho_dot, *_ = states = link_states(X, VELOCITY)
+    demanded, (xi, xi_dot) = link_acceleration(states, BANDS, GAINS), normalised_error(rho, rho_dot, BANDS)
     assert np.all(np.abs(xi) < 1)
     want = [demanded, barrier_function(xi, xi_dot, GAINS.k_1), 1 - np.abs(xi)]
     for got, value in zip(outputs(*prepared()), want, strict=True):

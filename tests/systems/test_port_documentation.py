@@ -171,13 +171,15 @@ def evaluate(system, context):
 
 def test_the_test_sees_a_port_that_is_not_documented(systems):
     class Grown(LeafSystem):
-        """.. pydrake_system::
+        """It has grown.
 
-        name: Grown
-        input_ports:
-        - old
-        output_ports:
-        - result
+        .. pydrake_system::
+
+            name: Grown
+            input_ports:
+            - old
+            output_ports:
+            - result
         """
 
         def __init__(self):
