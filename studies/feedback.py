@@ -191,8 +191,8 @@ def phase(runs: Runs) -> list[Claim]:
     )
     return [
         Claim(
-            "Target: the phase slows down where the arms are off their way by more than the slack, resumes, and loses no "
-            "time otherwise",
+            "Target: the phase slows down where the arms are off their way by more than the slack, resumes, and loses "
+            "no time otherwise",
             f"{told}; undisturbed: slowest {calm:.2f}",
             holds,
             "" if holds else "no error passed the slack, or the phase did not come back, or undisturbed it slowed down",
