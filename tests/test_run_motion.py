@@ -55,7 +55,7 @@ def test_every_file_but_the_figures_of_the_box_is_there(run):
     names = {path.name for path in run[1].iterdir()}
     assert names == {
         "run.mcap", "scene.html", "skill.json", "scenario.yaml", "summary.json",
-        "link_lengths.png", "hands_distance.png", "paths.png", "joint_angles.png", "swivel.png",
+        "link_lengths.png", "hands_distance.png", "paths.png", "joint_angles.png", "swivel.png", "feedback.png",
     }  # fmt: skip
 
 

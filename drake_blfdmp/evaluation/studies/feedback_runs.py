@@ -57,7 +57,7 @@ def CarryOutIn(
 ) -> FeedbackRun:
     """Simulate the plan in that world with that feedback; nothing is written."""
     changed = replace(plan, scenario=replace(plan.scenario, reality=reality, feedback=feedback))
-    done = Simulate(changed, progress=lambda what, share: progress(share))
+    done = Simulate(changed, progress=lambda what, share: progress(share) if what == "simulating" else None)
     log = done.log
     start, end = plan.task.held
     return FeedbackRun(

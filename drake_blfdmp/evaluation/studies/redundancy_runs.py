@@ -43,7 +43,7 @@ def SimulatePlan(plan: Plan, redundancy: str, progress: Callable[[float], None] 
     """
     retarget = replace(plan.scenario.retarget, redundancy=redundancy)
     changed = replace(plan, scenario=replace(plan.scenario, retarget=retarget))
-    done = Simulate(changed, progress=lambda what, share: progress(share))
+    done = Simulate(changed, progress=lambda what, share: progress(share) if what == "simulating" else None)
     log = done.log
     summary = MakeSummary(changed, log, done.margins, done.simulated_s, done.wall_s)
     error, elbows = swivel_error(log.swivel, log.swivel_desired), ElbowKinematics()
