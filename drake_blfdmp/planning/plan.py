@@ -1,12 +1,15 @@
 """`MakePlan`: from a scenario to every number a diagram needs; here for a box, in `free_plan` for a motion without."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.box_path import UpOverDown, lacking_room
+from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift
 from drake_blfdmp.planning.free_plan import MakeFreePlan
+from drake_blfdmp.planning.moved_carry import CarryEnds, EndHeights, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
     BelowPalms,
@@ -26,8 +29,8 @@ from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import Reach, rigid
-from drake_blfdmp.robot.retargeting import Retarget, box_pose, hand_line
+from drake_blfdmp.robot.reach import CALM, SCALES, Reach, rigid
+from drake_blfdmp.robot.retargeting import Retarget, box_pose
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.skill.rollout import Rollout
 
@@ -86,24 +89,24 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
             "use a narrower box",
             reason="reach",
         )
-    failure, tight = None, None
     # Where the whole recording is held there is nothing to trim.
     whole = source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1
-    for trim in TRIMS[:1] if whole else TRIMS:
+    failure, tight = None, None
+    arms = plant, kinematics, limits
+    unmoved: dict[float, Unmoved] = {}
+
+    def tried(trim: float, scale: float | None) -> Plan:
         timing = replace(
             scenario.timing,
             approach_s=trim * scenario.timing.approach_s,
             retreat_s=trim * scenario.timing.retreat_s,
         )
-        try:
-            plan = _plan(
-                replace(scenario, timing=timing), source, box, plant, kinematics, limits, progress, heed_clearance
-            )
-            if heed_clearance and trim > TRIMS[-1] and not whole:
-                _check_clearance(plan)
-        except TaskError as error:
-            failure = failure or error
-            continue
+        trimmed = replace(scenario, timing=timing)
+        if scale is None:
+            unmoved[trim] = _unmoved(trimmed, source, kinematics, limits, progress)
+        plan = _plan(trimmed, source, box, arms, progress, heed_clearance, unmoved[trim], scale)
+        if heed_clearance and trim > TRIMS[-1] and not whole:
+            _check_clearance(plan)
         notes = plan.notes if source.together is None else (*source.together.notes, *plan.notes)
         if trim < 1.0 and scenario.timing.approach_s + scenario.timing.retreat_s > 0:
             notes = (
@@ -111,56 +114,123 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
                 "kept: the rest is out of the arms' easy reach",
                 *notes,
             )
-        plan = replace(plan, notes=notes, scenario=scenario)
+        return replace(plan, notes=notes, scenario=scenario)
+
+    trims = TRIMS[:1] if whole else TRIMS
+    for trim in trims:
+        try:
+            plan = tried(trim, None)
+        except TaskError as error:
+            failure = failure or error
+            continue
         if plan.reach.comfortable:
             return plan
         tight = tight or plan
     if tight is not None:
         return tight
+    # Calmer hands need less room on their tables, and a smaller scale leaves more room for what was moved: the box, and
+    # how far its places are moved, keep their size in the world.
+    shortest = trims[-1]
+    for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
+        if shortest in unmoved and scale <= unmoved[shortest].reach.retarget.scale:
+            try:
+                return tried(shortest, scale)
+            except TaskError:
+                continue
     raise failure or TaskError("plan: nothing was tried", reason="reach")
 
 
-def _plan(scenario, source, box, plant, kinematics, limits, progress, heed_clearance) -> Plan:
-    notes: list[str] = []
+@dataclass(frozen=True)
+class Unmoved:
+    """The person's own motion, turned as asked, before its ends are moved.
+
+    Attributes:
+        motion, task, coupled: it.
+        not_turned: task and rollout before it was turned.
+        anchor: index in the rollout at which the palms' rolls are chosen.
+        same_level: both ends share one table.
+        reach: at the scale that suits it best.
+    """
+
+    motion: TaskMotion
+    task: Task
+    coupled: Rollout
+    not_turned: tuple[Task, Rollout]
+    anchor: int
+    same_level: bool
+    reach: Reach
+
+
+def _unmoved(scenario, source, kinematics, limits, progress) -> Unmoved:
     motion = MakeMotion(scenario, source)
     progress("learning the skill", 0.0)
     task = MakeTask(scenario, source, motion)
     progress("learning the skill", 1.0)
     coupled = RollOutTask(scenario, task)
     anchor = IndexAt(coupled, task.held[0])
-    same_level = abs(np.subtract(*_heights(coupled, task))) < LEVEL_WITHIN
-    yaw = scenario.task.place_rotation[2]
-    if yaw:
-        before = task, coupled
+    same_level = abs(np.subtract(*EndHeights(coupled, task))) < LEVEL_WITHIN
+    not_turned = task, coupled
+    if yaw := scenario.task.place_rotation[2]:
         motion = Turned(motion, yaw, ShiftWindow(coupled, task, same_level))
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
     reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress)
-    if yaw:
-        CheckYaw(yaw, *(_yaws(rollout, of, reach.retarget)[1] for of, rollout in (before, (task, coupled))))
-    # The shift is known in the world; the skill needs it in the person's frame, so it depends on the scale found.
-    for _ in range(2):
-        shift = ShiftForSupports(
-            _ends(coupled, task, reach.retarget), box, _yaws(coupled, task, reach.retarget), same_level
-        )
-        take, place = (np.asarray(offset) for offset in (scenario.task.take_offset, scenario.task.place_offset))
-        change = shift.release + place - take
+    return Unmoved(motion, task, coupled, not_turned, anchor, bool(same_level), reach)
+
+
+def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmoved, scale: float | None) -> Plan:
+    plant, kinematics, limits = arms
+    motion, task, coupled, reach = unmoved.motion, unmoved.task, unmoved.coupled, unmoved.reach
+    anchor, same_level, notes = unmoved.anchor, unmoved.same_level, []
+    calm = {} if scale is None else {"calms": CALM[-1:]}
+    if scale is not None:
+        reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress, scale, **calm)
+    if yaw := scenario.task.place_rotation[2]:
+        turned = (unmoved.not_turned, (task, coupled))
+        CheckYaw(yaw, *(EndYaws(rollout, of, reach.retarget)[1] for of, rollout in turned))
+    moved = bool(np.any([scenario.task.take_offset, scenario.task.place_offset]))
+
+    def again(coupled: Rollout, before: Retarget, stay: bool) -> Reach:
+        return FindReachAgain(scenario, coupled, anchor, kinematics, limits, progress, before, stay=stay, **calm)
+
+    # The shift is known in the world; the skill needs it in the person's frame, so it depends on the scale.
+    take, place = (np.asarray(offset) for offset in (scenario.task.take_offset, scenario.task.place_offset))
+    for trial in range(2):
+        ends = CarryEnds(coupled, task, reach.retarget)
         if same_level:
-            change[2] = shift.release[2]
-        if not (np.any(np.abs(np.append(change, take)) > 1e-5) or shift.raise_by):
-            break
-        scale = reach.retarget.scale
-        window = ShiftWindow(coupled, task, same_level)
-        motion = replace(motion, x=motion.x + take / scale)  # And from there to the place, while it is carried.
-        motion = Raised(Shifted(motion, change / scale, window), shift.raise_by / scale, window)
-        if shift.sentence and not notes:
+            place[2] = take[2]  # The table's height is the grasp's.
+        asked = Ends(ends.grasp + take, ends.release + place, ends.top + max(take[2], place[2]))
+        shift = ShiftForSupports(asked, box, EndYaws(coupled, task, reach.retarget), same_level)
+        change = shift.release + place - take
+        scale, window = reach.retarget.scale, ShiftWindow(coupled, task, same_level)
+        changed = np.any(np.abs(np.append(change, take)) > 1e-5) or shift.raise_by > 0
+        if changed:
+            motion = replace(motion, x=motion.x + take / scale)  # And from there to the place, while it is carried.
+            motion = Raised(Shifted(motion, change / scale, window), shift.raise_by / scale, window)
+        if shift.sentence and trial == 0:
             notes.append(shift.sentence)
+        motion, lifted = RaisedToLift(motion, scenario.task.least_lift / scale)
+        if lifted * scale > NOTED:
+            notes.append(f"carry raised by {1000 * scale * lifted:.0f} mm, to lift the box clearly (task.least_lift)")
+        if not changed and lifted == 0.0:
+            break
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
-        if not same_level or _moved(scenario):
-            reach = _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, reach.retarget)
-        scenario = replace(scenario, task=replace(scenario.task, take_offset=3 * [0.0], place_offset=3 * [0.0]))
+        if not same_level or moved or lifted * scale > NOTED:
+            reach = again(coupled, reach.retarget, moved or trial > 0)
+        take, place = np.zeros(3), np.zeros(3)
+    kept_up = 0.0
     for trial in range(len(ROOM_NOTES) + 1):
+        for _ in range(2):  # The skill follows what it is taught not quite.
+            held = slice(*(IndexAt(coupled, t) for t in task.held))
+            way = reach.retarget.point(HandsMiddle(coupled)[held])
+            motion, more = KeptUp(motion, coupled.t[held], way, reach.retarget.scale)
+            if more == 0.0:
+                break
+            kept_up = max(kept_up, more)
+            task = MakeTask(scenario, source, motion)
+            coupled = RollOutTask(scenario, task)
+            reach = again(coupled, reach.retarget, True)
         lacking = _lacking_room(scenario, coupled, task, reach.retarget, box, same_level)
         worst = int(np.argmax(lacking))
         if lacking[worst] <= 0.0 or (trial == len(ROOM_NOTES) and not heed_clearance):
@@ -180,7 +250,9 @@ def _plan(scenario, source, box, plant, kinematics, limits, progress, heed_clear
         notes.append(ROOM_NOTES[trial])
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
-        reach = _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, reach.retarget)
+        reach = again(coupled, reach.retarget, moved)
+    if kept_up:
+        notes.append(f"carry kept above the tables near its ends, by up to {1000 * kept_up:.0f} mm higher than it was")
     stretch = scenario.task.duration_scale or reach.stretch
     held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
     postures = reach.following.q[held]
@@ -226,7 +298,7 @@ def _standing(
     poses = BelowPalms(box_pose(coupled.x[held], retarget), scenario.task.grasp_above)
     if same_level:
         poses[1, 6] = poses[0, 6]
-    ends = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, _yaws(coupled, task, retarget), strict=True)]
+    ends = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, EndYaws(coupled, task, retarget), strict=True)]
     return poses, MakeSupports(*ends, box, same_level)
 
 
@@ -263,24 +335,6 @@ def _check_clearance(plan: Plan) -> None:
             )
 
 
-def _find_reach_again(scenario, coupled, anchor, kinematics, limits, progress, before: Retarget) -> Reach:
-    """The reach of a motion whose ends were moved: the person stays where it was if the arms can do that."""
-    if _moved(scenario):
-        first = IndexAt(coupled, scenario.timing.rest_s)
-        person = 0.5 * (coupled.x[first:, 0] + coupled.x[first:, 3]).mean(axis=0)
-        try:
-            return FindReach(
-                scenario, coupled, anchor, kinematics, limits, progress, before.scale, before.point(person)
-            )
-        except TaskError:
-            pass  # Out of reach there; another place may do.
-    return FindReach(scenario, coupled, anchor, kinematics, limits, progress, before.scale)
-
-
-def _moved(scenario: Scenario) -> bool:
-    return bool(np.any([scenario.task.take_offset, scenario.task.place_offset]))
-
-
 def CheckYaw(asked: float, before: float, after: float) -> None:
     """Refuse a turn of the place that the palms' line does not take, rad."""
     reached = float(wrap(after - before))
@@ -290,39 +344,3 @@ def CheckYaw(asked: float, before: float, after: float) -> None:
             "rad of it from where the person puts it; ask for less, or for the other way round",
             reason="reach",
         )
-
-
-def _middle(rollout: Rollout) -> np.ndarray:
-    return 0.5 * (rollout.x[:, 2] + rollout.x[:, 5])
-
-
-def _heights(rollout: Rollout, task: Task):
-    middle = _middle(rollout)
-    return tuple(float(middle[IndexAt(rollout, t), 2]) for t in task.held)
-
-
-def _ends(rollout: Rollout, task: Task, retarget: Retarget) -> Ends:
-    first, last = (IndexAt(rollout, t) for t in task.held)
-    middle = retarget.point(_middle(rollout)[first : last + 1])
-    return Ends(grasp=middle[0], release=middle[-1], top=float(middle[:, 2].max()))
-
-
-def _yaws(rollout: Rollout, task: Task, retarget: Retarget) -> tuple[float, float]:
-    x = rollout.x[[IndexAt(rollout, t) for t in task.held]]
-    yaw = hand_line(x, np.zeros_like(x), retarget)[4]
-    return float(yaw[0]), float(yaw[1])
-
-
-def ShiftWindow(rollout: Rollout, task: Task, same_level: bool) -> tuple[float, float]:
-    """When the release may be shifted: the whole carry, or only while the box is above both tables, if it ever is."""
-    first, last = (IndexAt(rollout, t) for t in task.held)
-    events = task.skill.events
-    if same_level:
-        return events["grasp_end"], events["release"]
-    z = _middle(rollout)[first : last + 1, 2]
-    higher = max(z[0], z[-1])
-    above = np.flatnonzero(z > higher + 0.5 * (z.max() - higher)) + first
-    if len(above) == 0:
-        return events["grasp_end"], events["release"]
-    start, end = float(rollout.t[above[0]]), float(rollout.t[above[-1]])
-    return max(start, events["grasp_end"]), min(max(end, start + 0.5), events["release"])

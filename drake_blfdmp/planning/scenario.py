@@ -174,6 +174,7 @@ def CheckScenario(scenario: Scenario) -> None:
             raise ScenarioError(f"scenario: {key} must be positive and finite, not {value}")
     for key, value in (
         ("task.tail", task.tail),
+        ("task.least_lift", task.least_lift),
         ("published.k_2", scenario.published.k_2),
         ("gams.c_2", scenario.gams.c_2),
         ("feedback.slack", scenario.feedback.slack),

@@ -172,6 +172,8 @@ class TaskConfig:
         squeeze: how far each palm is commanded into the box; None takes what gives `squeeze_force`.
         clearance: distance of each palm from the box while it is open.
         grasp_above: how far above the box's centre the palms take it; it then hangs, and the hands clear the table.
+        least_lift: a carry whose hands rise less than this, m, above where they take the box is raised in its middle; 0
+            leaves the person's.
         take_offset: the box is taken this much away from where the person took it, (x, y, z) in the robots' world.
         place_offset: the box is put down this much away from where the person put it, (x, y, z) in the robots' world.
         place_rotation: the box is put down turned by this (roll, pitch, yaw) from how the person put it; it stands on a
@@ -187,6 +189,7 @@ class TaskConfig:
     squeeze: float | None = None
     clearance: float = 0.05
     grasp_above: float = 0.02
+    least_lift: float = 0.12
     take_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     place_offset: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     place_rotation: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])

@@ -195,6 +195,8 @@ def find_reach(
     limits: JointLimits,
     scale: float | None = None,
     world: np.ndarray | None = None,
+    person: np.ndarray | None = None,
+    calms: Sequence[float] = CALM,
     level: bool = True,
     elbow_up: bool = True,
     shrink_hands: bool = False,
@@ -216,6 +218,8 @@ def find_reach(
         limits: of their joints.
         scale: fixed by the user; searched where None.
         world: (3,) fixed by the user, m; searched where None.
+        person: (3,) as in `Retarget`; None takes the shoulders' mean midpoint in this motion.
+        calms: shares of the elbows' swing and of the hands' yaw and pitch that are tried, first to last.
         level: as in `Retarget`.
         elbow_up: as in `Retarget`.
         shrink_hands: the hands' distance may be scaled with the motion, as nothing is held between them.
@@ -227,7 +231,8 @@ def find_reach(
     Raises:
         TaskError: nothing fits.
     """
-    person = 0.5 * (x[:, 0] + x[:, 3]).mean(axis=0)
+    if person is None:
+        person = 0.5 * (x[:, 0] + x[:, 3]).mean(axis=0)
     middle = 0.5 * (x[:, 2] + x[:, 5])
     low, high = middle.min(axis=0), middle.max(axis=0)
     largest = float(np.min(SPAN / np.maximum(high - low, 1e-3)))
@@ -250,9 +255,9 @@ def find_reach(
         return [reach for reach in found if reach is not None]
 
     best, nearest = None, None
-    for c, calm in enumerate(CALM):
+    for c, calm in enumerate(calms):
         for i, (_, reaches) in enumerate(_by_scale(scales, lambda s, calm=calm: candidates(s, calm), tried)):
-            progress((c + (i + 1) / len(scales)) / len(CALM))
+            progress((c + (i + 1) / len(scales)) / len(calms))
             promising = [reach for reach in reaches if reach.sound and (best is None or _rank(reach) < _rank(best))]
             if finer > SAMPLES and promising:
                 reaches = [reach for reach in reaches if not reach.sound]
@@ -282,9 +287,9 @@ def find_reach(
     how = f"palms {1000 * f.pose_error:.0f} mm off, joint margin {f.joint_margin:.2f} rad"
     if reached := f.pose_error <= POSE_TOLERANCE and f.joint_margin >= JOINT_MARGIN:
         how = f"clearance {nearest.clearance:.3f} m between the arms"
+    scaled = f"no scale from {scales[0]:g} to {scales[-1]:g}" if len(scales) > 1 else f"no place at scale {scales[0]:g}"
     raise TaskError(
-        f"reach: no scale from {scales[0]:g} to {scales[-1]:g} makes the whole motion reachable (best: {how}); "
-        f"{remedy}",
+        f"reach: {scaled} makes the whole motion reachable (best: {how}); {remedy}",
         reason="clearance" if reached else "reach",
     )
 

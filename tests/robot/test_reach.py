@@ -125,7 +125,7 @@ def test_a_box_of_a_metre_and_a_half_is_refused_in_one_line():
 
 
 def test_a_motion_too_large_for_a_fixed_scale_is_refused_with_how_far_off_it_is(reach):
-    with pytest.raises(TaskError, match=r"no scale from 1 to 1.*palms \d+ mm off.*or use a smaller box") as error:
+    with pytest.raises(TaskError, match=r"no place at scale 1 makes.*palms \d+ mm off.*or use a smaller box") as error:
         find_reach(TIME, lift_and_carry(lift=1.0), ANCHOR, scale=1.0, world=reach[0].retarget.world, **SEARCH)
     assert one_line(error)
 

@@ -11,7 +11,8 @@ from drake_blfdmp.evaluation.robustness.trial import Trial
 from drake_blfdmp.evaluation.simulation import Judge
 from drake_blfdmp.evaluation.studies.intervals import Proportion, proportion
 from drake_blfdmp.evaluation.study import Table
-from drake_blfdmp.planning.plan import MakePlan, ShiftWindow
+from drake_blfdmp.planning.moved_carry import ShiftWindow
+from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.planning.planned import IndexAt
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
