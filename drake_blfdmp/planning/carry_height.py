@@ -33,6 +33,11 @@ def hands_middle(motion: TaskMotion) -> np.ndarray:
     return 0.5 * (motion.x[:, 2] + motion.x[:, 5])
 
 
+def rise(middle) -> float:
+    """How far a way (N, 3) rises above its start, m."""
+    return float(middle[:, 2].max() - middle[0, 2])
+
+
 def RaisedToLift(motion: TaskMotion, least: float) -> tuple[TaskMotion, float]:
     """The motion whose hands' middle rises, while the box is carried, by at least `least`, m.
 
@@ -41,7 +46,7 @@ def RaisedToLift(motion: TaskMotion, least: float) -> tuple[TaskMotion, float]:
     """
     first, last = carried(motion)
     z = hands_middle(motion)[:, 2]
-    if z[first : last + 1].max() - z[first] >= least:
+    if rise(hands_middle(motion)[first : last + 1]) >= least:
         return motion, 0.0
     window = motion.events["grasp_end"], motion.events["release"]
     raised = Raised(motion, 1.0, window)

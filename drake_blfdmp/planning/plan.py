@@ -7,7 +7,7 @@ import numpy as np
 from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.box_path import UpOverDown, lacking_room
-from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift
+from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift, carried, hands_middle, rise
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.moved_carry import CarryEnds, EndHeights, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
 from drake_blfdmp.planning.planned import (
@@ -195,6 +195,7 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
 
     # The shift is known in the world; the skill needs it in the person's frame, so it depends on the scale.
     take, place = (np.asarray(offset) for offset in (scenario.task.take_offset, scenario.task.place_offset))
+    least, raised_by, kept_up = scenario.task.least_lift, 0.0, 0.0
     for trial in range(2):
         ends = CarryEnds(coupled, task, reach.retarget)
         if same_level:
@@ -202,6 +203,9 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
         asked = Ends(ends.grasp + take, ends.release + place, ends.top + max(take[2], place[2]))
         shift = ShiftForSupports(asked, box, EndYaws(coupled, task, reach.retarget), same_level)
         change = shift.release + place - take
+        # The law lifts the hands a little more or less than they are taught.
+        way = HandsMiddle(coupled)[slice(*(IndexAt(coupled, t) for t in task.held))]
+        added = rise(way) - rise(hands_middle(motion)[slice(*carried(motion))])
         scale, window = reach.retarget.scale, ShiftWindow(coupled, task, same_level)
         changed = np.any(np.abs(np.append(change, take)) > 1e-5) or shift.raise_by > 0
         if changed:
@@ -209,9 +213,8 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
             motion = Raised(Shifted(motion, change / scale, window), shift.raise_by / scale, window)
         if shift.sentence and trial == 0:
             notes.append(shift.sentence)
-        motion, lifted = RaisedToLift(motion, scenario.task.least_lift / scale)
-        if lifted * scale > NOTED:
-            notes.append(f"carry raised by {1000 * scale * lifted:.0f} mm, to lift the box clearly (task.least_lift)")
+        motion, lifted = RaisedToLift(motion, least / scale - added if least else 0.0)
+        raised_by += scale * lifted
         if not changed and lifted == 0.0:
             break
         task = MakeTask(scenario, source, motion)
@@ -219,7 +222,8 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
         if not same_level or moved or lifted * scale > NOTED:
             reach = again(coupled, reach.retarget, moved or trial > 0)
         take, place = np.zeros(3), np.zeros(3)
-    kept_up = 0.0
+    if raised_by > NOTED:
+        notes.append(f"carry raised by {1000 * raised_by:.0f} mm, to lift the box clearly (task.least_lift)")
     for trial in range(len(ROOM_NOTES) + 1):
         for _ in range(2):  # The skill follows what it is taught not quite.
             held = slice(*(IndexAt(coupled, t) for t in task.held))
