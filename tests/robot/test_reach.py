@@ -199,7 +199,7 @@ def test_what_is_found_holds_on_as_many_samples_a_second_as_asked():
 
 def test_the_remedy_is_the_callers(reach):
     place = {"scale": 1.0, "world": reach[0].retarget.world}
-    with pytest.raises(TaskError, match=r"^reach: no scale [^\n]*; try something else$"):
+    with pytest.raises(TaskError, match=r"^reach: no place at scale [^\n]*; try something else$"):
         find_reach(TIME, lift_and_carry(lift=1.0), ANCHOR, remedy="try something else", **place, **SEARCH)
     with pytest.raises(TaskError, match=r"^reach: the arms cannot hold their palms 0\.30 m apart [^\n]*; stay near$"):
         away = {"scale": 1.0, "world": np.array([0.0, 3.0, 1.0])}
