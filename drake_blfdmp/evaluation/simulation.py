@@ -74,6 +74,7 @@ def Simulate(
         if t >= end and clock >= end - 1e-6:
             break
     wall = time.perf_counter() - started
+    progress("simulating", 1.0)
     progress("measuring", 0.0)
     log = MakeRunLog(plan, parts.limits, logger, context)
     progress("measuring", 1.0)
