@@ -23,6 +23,7 @@ from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.squeeze import ChooseSqueeze, Compliances, RefuseForce, SqueezeCompliance, Strengths
+from drake_blfdmp.planning.steady import Steadied
 from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
 from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task, Turned
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
@@ -224,6 +225,12 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
         take, place = np.zeros(3), np.zeros(3)
     if raised_by > NOTED:
         notes.append(f"carry raised by {1000 * raised_by:.0f} mm, to lift the box clearly (task.least_lift)")
+    motion, swung = Steadied(motion, coupled.t, HandsMiddle(coupled))
+    if swung:
+        task = MakeTask(scenario, source, motion)
+        coupled = RollOutTask(scenario, task)
+        if swung * reach.retarget.scale > NOTED:
+            reach = again(coupled, reach.retarget, True)
     for trial in range(len(ROOM_NOTES) + 1):
         for _ in range(2):  # The skill follows what it is taught not quite.
             held = slice(*(IndexAt(coupled, t) for t in task.held))
@@ -268,6 +275,10 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]
     task = MakeTask(scenario, source, motion, stretch)
     coupled = RollOutTask(scenario, task)
+    motion, swung = Steadied(motion, coupled.t / stretch, HandsMiddle(coupled))  # What is left when it is slower.
+    if swung:
+        task = MakeTask(scenario, source, motion, stretch)
+        coupled = RollOutTask(scenario, task)
     poses, tables = _standing(scenario, coupled, task, reach.retarget, box, same_level)
     for pose, what in zip(poses, ("grasp", "release"), strict=True):
         if pose[6] < 0.5 * box.height + 0.05:
