@@ -143,7 +143,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
 
 @dataclass(frozen=True)
 class Unmoved:
-    """The person's own motion, turned as asked, before its ends are moved.
+    """The person's own motion, steadied and turned as asked, before its ends are moved.
 
     Attributes:
         motion, task, coupled: it.
@@ -168,6 +168,10 @@ def _unmoved(scenario, source, kinematics, limits, progress) -> Unmoved:
     task = MakeTask(scenario, source, motion)
     progress("learning the skill", 1.0)
     coupled = RollOutTask(scenario, task)
+    motion, swung = Steadied(motion, coupled.t, HandsMiddle(coupled))
+    if swung:
+        task = MakeTask(scenario, source, motion)
+        coupled = RollOutTask(scenario, task)
     anchor = IndexAt(coupled, task.held[0])
     same_level = abs(np.subtract(*EndHeights(coupled, task))) < LEVEL_WITHIN
     not_turned = task, coupled
@@ -225,12 +229,6 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
         take, place = np.zeros(3), np.zeros(3)
     if raised_by > NOTED:
         notes.append(f"carry raised by {1000 * raised_by:.0f} mm, to lift the box clearly (task.least_lift)")
-    motion, swung = Steadied(motion, coupled.t, HandsMiddle(coupled))
-    if swung:
-        task = MakeTask(scenario, source, motion)
-        coupled = RollOutTask(scenario, task)
-        if swung * reach.retarget.scale > NOTED:
-            reach = again(coupled, reach.retarget, True)
     for trial in range(len(ROOM_NOTES) + 1):
         for _ in range(2):  # The skill follows what it is taught not quite.
             held = slice(*(IndexAt(coupled, t) for t in task.held))
