@@ -1,15 +1,14 @@
 """`MakePlan`: from a scenario to every number a diagram needs; here for a box, in `free_plan` for a motion without."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.box_path import UpOverDown, lacking_room
 from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift, carried, hands_middle, rise
 from drake_blfdmp.planning.free_plan import MakeFreePlan
-from drake_blfdmp.planning.moved_carry import CarryEnds, EndHeights, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
+from drake_blfdmp.planning.moved_carry import CarryEnds, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
     BelowPalms,
@@ -24,8 +23,9 @@ from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.squeeze import ChooseSqueeze, Compliances, RefuseForce, SqueezeCompliance, Strengths
 from drake_blfdmp.planning.steady import Steadied
-from drake_blfdmp.planning.supports import LEVEL_WITHIN, Ends, MakeSupports, ShiftForSupports
-from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeMotion, MakeTask, Raised, RollOutTask, Shifted, Task, Turned
+from drake_blfdmp.planning.supports import Ends, MakeSupports, ShiftForSupports
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeTask, Raised, RollOutTask, Shifted, Task
+from drake_blfdmp.planning.unmoved import MakeUnmoved, Unmoved
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
@@ -104,7 +104,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         )
         trimmed = replace(scenario, timing=timing)
         if scale is None:
-            unmoved[trim] = _unmoved(trimmed, source, kinematics, limits, progress)
+            unmoved[trim] = MakeUnmoved(trimmed, source, kinematics, limits, progress)
         plan = _plan(trimmed, source, box, arms, progress, heed_clearance, unmoved[trim], scale)
         if heed_clearance and trim > TRIMS[-1] and not whole:
             _check_clearance(plan)
@@ -139,48 +139,6 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
             except TaskError:
                 continue
     raise failure or TaskError("plan: nothing was tried", reason="reach")
-
-
-@dataclass(frozen=True)
-class Unmoved:
-    """The person's own motion, steadied and turned as asked, before its ends are moved.
-
-    Attributes:
-        motion, task, coupled: it.
-        not_turned: task and rollout before it was turned.
-        anchor: index in the rollout at which the palms' rolls are chosen.
-        same_level: both ends share one table.
-        reach: at the scale that suits it best.
-    """
-
-    motion: TaskMotion
-    task: Task
-    coupled: Rollout
-    not_turned: tuple[Task, Rollout]
-    anchor: int
-    same_level: bool
-    reach: Reach
-
-
-def _unmoved(scenario, source, kinematics, limits, progress) -> Unmoved:
-    motion = MakeMotion(scenario, source)
-    progress("learning the skill", 0.0)
-    task = MakeTask(scenario, source, motion)
-    progress("learning the skill", 1.0)
-    coupled = RollOutTask(scenario, task)
-    motion, swung = Steadied(motion, coupled.t, HandsMiddle(coupled))
-    if swung:
-        task = MakeTask(scenario, source, motion)
-        coupled = RollOutTask(scenario, task)
-    anchor = IndexAt(coupled, task.held[0])
-    same_level = abs(np.subtract(*EndHeights(coupled, task))) < LEVEL_WITHIN
-    not_turned = task, coupled
-    if yaw := scenario.task.place_rotation[2]:
-        motion = Turned(motion, yaw, ShiftWindow(coupled, task, same_level))
-        task = MakeTask(scenario, source, motion)
-        coupled = RollOutTask(scenario, task)
-    reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress)
-    return Unmoved(motion, task, coupled, not_turned, anchor, bool(same_level), reach)
 
 
 def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmoved, scale: float | None) -> Plan:

@@ -1,0 +1,67 @@
+"""The person's own motion as the arms can take it up, before the places of the box are moved."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drake_blfdmp.demonstration.timing import TaskMotion
+from drake_blfdmp.planning.moved_carry import EndHeights, HandsMiddle, ShiftWindow
+from drake_blfdmp.planning.planned import FindReach, IndexAt, Progress
+from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.planning.sources import Source
+from drake_blfdmp.planning.steady import Steadied
+from drake_blfdmp.planning.supports import LEVEL_WITHIN
+from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask, Task, Turned
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import JointLimits
+from drake_blfdmp.robot.reach import Reach
+from drake_blfdmp.skill.rollout import Rollout
+
+
+@dataclass(frozen=True)
+class Unmoved:
+    """The person's own motion, steadied and turned as asked, before its ends are moved.
+
+    Attributes:
+        motion, task, coupled: it.
+        not_turned: task and rollout before it was turned.
+        anchor: index in the rollout at which the palms' rolls are chosen.
+        same_level: both ends share one table.
+        reach: at the scale that suits it best.
+    """
+
+    motion: TaskMotion
+    task: Task
+    coupled: Rollout
+    not_turned: tuple[Task, Rollout]
+    anchor: int
+    same_level: bool
+    reach: Reach
+
+
+def MakeUnmoved(
+    scenario: Scenario, source: Source, kinematics: DualArmKinematics, limits: JointLimits, progress: Progress
+) -> Unmoved:
+    """Learn the person's motion, take what the law swings in the dwells out of it, turn its end, and find its reach.
+
+    Raises:
+        SkillError, ScenarioError, TaskError: as the steps do.
+    """
+    motion = MakeMotion(scenario, source)
+    progress("learning the skill", 0.0)
+    task = MakeTask(scenario, source, motion)
+    progress("learning the skill", 1.0)
+    coupled = RollOutTask(scenario, task)
+    motion, swung = Steadied(motion, coupled.t, HandsMiddle(coupled))
+    if swung:
+        task = MakeTask(scenario, source, motion)
+        coupled = RollOutTask(scenario, task)
+    anchor = IndexAt(coupled, task.held[0])
+    same_level = abs(np.subtract(*EndHeights(coupled, task))) < LEVEL_WITHIN
+    not_turned = task, coupled
+    if yaw := scenario.task.place_rotation[2]:
+        motion = Turned(motion, yaw, ShiftWindow(coupled, task, same_level))
+        task = MakeTask(scenario, source, motion)
+        coupled = RollOutTask(scenario, task)
+    reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress)
+    return Unmoved(motion, task, coupled, not_turned, anchor, bool(same_level), reach)
