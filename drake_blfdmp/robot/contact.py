@@ -67,7 +67,7 @@ def _patch_normal(surface: ContactSurface) -> np.ndarray:
     last agree, the others are not asked, which is what takes time.
     """
     count = surface.num_faces()
-    first, middle, last = (surface.face_normal(f) for f in (0, count // 2, count - 1))
+    first, middle, last = (np.array(surface.face_normal(f), dtype=float) for f in (0, count // 2, count - 1))
     if min(first @ middle, first @ last) > 1.0 - 1e-12:
         return first
     faces = range(count)

@@ -70,9 +70,9 @@ def _gltf(path: Path) -> dict[str, bytes]:
     The files hold flat facets, each with corners of its own; corners are shared here, and edges below `_SMOOTH`
     smoothed, which looks better and takes a quarter of the room.
     """
-    import trimesh
-    from trimesh.graph import smooth_shade
-    from trimesh.visual import TextureVisuals
+    import trimesh  # pyright: ignore[reportMissingImports]  An extra.
+    from trimesh.graph import smooth_shade  # pyright: ignore[reportMissingImports]
+    from trimesh.visual import TextureVisuals  # pyright: ignore[reportMissingImports]
 
     scene = trimesh.load_scene(path)
     for name, part in scene.geometry.items():

@@ -27,7 +27,7 @@ def is_gltf_in_memory(shape) -> bool:
 
 def mesh_triangles(mesh: Mesh) -> Triangles:
     """Triangles in the mesh's own frame, z up, each in the colour of its material."""
-    import trimesh
+    import trimesh  # pyright: ignore[reportMissingImports]  An extra.
 
     contents = mesh.source().in_memory().mesh_file.contents()
     scene = trimesh.load_scene(BytesIO(contents), file_type="gltf", resolver=_InMemory(mesh), process=False)
