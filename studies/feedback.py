@@ -74,8 +74,8 @@ def study(context: StudyContext) -> Study:
         notes=[
             "One plan, made for the believed box and arms, in every world. Effective distance: what the palms' force "
             "says of how far they are commanded together (docs/feedback.md); without contact their distance itself.",
-            "The hold is judged from 0.5 s after the palms have closed. The first touch is an impact of one or two "
-            "samples (10 ms) in every run, open or closed.",
+            "The hold is judged from 0.5 s after the palms have closed. The first touch is an impact of a few samples "
+            "of 10 ms, open or closed.",
         ],
         shown=["runs"],
     )

@@ -31,7 +31,7 @@ LOOPS: dict[str, FeedbackConfig] = {
 }
 
 SETTLED_S = 0.5
-"""So long after the palms have closed the hold is judged: the first touch, an impact of some 10 ms, is told apart."""
+"""So long after the palms have closed the hold is judged: the first touch, an impact of some 30 ms, is told apart."""
 
 
 @dataclass(frozen=True)
