@@ -233,8 +233,13 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     coupled = RollOutTask(scenario, task)
     motion, swung = Steadied(motion, coupled.t / stretch, HandsMiddle(coupled))  # What is left when it is slower.
     if swung:
-        task = MakeTask(scenario, source, motion, stretch)
-        coupled = RollOutTask(scenario, task)
+        steady_task = MakeTask(scenario, source, motion, stretch)
+        steady = RollOutTask(scenario, steady_task)
+        # A carry that is over soon is fast right beside the dwells, and would be led astray.
+        if _has_room(scenario, steady, steady_task, reach.retarget, box, same_level) or not _has_room(
+            scenario, coupled, task, reach.retarget, box, same_level
+        ):
+            task, coupled = steady_task, steady
     poses, tables = _standing(scenario, coupled, task, reach.retarget, box, same_level)
     for pose, what in zip(poses, ("grasp", "release"), strict=True):
         if pose[6] < 0.5 * box.height + 0.05:
@@ -288,6 +293,10 @@ def _lacking_room(scenario, coupled, task, retarget, box, same_level) -> np.ndar
     carried = BelowPalms(box_pose(coupled.x[held], retarget, turn), scenario.task.grasp_above)
     ends, tables = _standing(scenario, coupled, task, retarget, box, same_level)
     return lacking_room(carried, box, tables, ends)
+
+
+def _has_room(scenario, coupled, task, retarget, box, same_level) -> bool:
+    return bool(_lacking_room(scenario, coupled, task, retarget, box, same_level).max() <= 0.0)
 
 
 def _check_clearance(plan: Plan) -> None:
