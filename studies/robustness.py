@@ -11,7 +11,7 @@ from drake_blfdmp.evaluation.robustness.quick import quick_base
 from drake_blfdmp.evaluation.robustness.rates import LawRates, by_group, feasible_tasks, law_rates, values
 from drake_blfdmp.evaluation.robustness.refusals import refusal_table, refusals_right, sample
 from drake_blfdmp.evaluation.robustness.tables import class_table, group_table, law_table, task_table
-from drake_blfdmp.evaluation.robustness.trial import make_trials, write_failures
+from drake_blfdmp.evaluation.robustness.trial import make_harder_trials, make_trials, write_failures
 from drake_blfdmp.evaluation.study import Study, StudyContext
 from drake_blfdmp.viewing.study_figures import robustness as drawing
 
@@ -45,7 +45,11 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
     rows = run(trials, "trials")
     write_failures(folder / "failures", trials, rows)
     own = asked["default"]  # The default law's trials stand first.
-    checked = run(sample(trials[:own], rows[:own], settings.refusals), "refusals looked at once more")
+    harder = [] if context.quick else make_harder_trials(base, settings.harder)
+    planned = run(harder, "harder tasks planned")
+    write_failures(folder / "refused", harder, planned)
+    asked_again = sample([*trials[:own], *harder], [*rows[:own], *planned], settings.refusals)
+    checked = run(asked_again, "refusals looked at once more")
 
     context.progress("drawing", 1.0)
     of_law = {law: [row for row in rows if row["law"] == law] for law in laws}

@@ -269,6 +269,7 @@ def _check_robustness(scenario: Scenario) -> None:
         raise ScenarioError("scenario: robustness.tasks.default must be at least 1: its planner says what can be done")
     for key, value in (
         *((f"tasks.{law}", count) for law, count in tasks.items()),
+        ("harder", scenario.robustness.harder),
         ("refusals", scenario.robustness.refusals),
     ):
         if value < 0:

@@ -63,8 +63,7 @@ class RefusalCheck:
         return self._row(False, f"not shown: {error}")
 
     def _row(self, right: bool, evidence: str) -> dict:
-        index = self.trial.task.index
-        return {"key": self.key, "index": index, "reason": self.reason, "right": right, "evidence": evidence}
+        return {"key": self.key, "task": self.trial.scenario.name, "reason": self.reason, "right": right, "evidence": evidence}
 
 
 def check_reach(scenario: Scenario) -> tuple[bool, str]:
@@ -186,5 +185,5 @@ def refusals_right(rows: Sequence[Mapping]) -> Proportion | None:
 
 def refusal_table(rows: Sequence[Mapping]) -> Table:
     """A row a refusal that was looked at."""
-    names = ("index", "reason", "right", "evidence")
+    names = ("task", "reason", "right", "evidence")
     return Table({name: [row[name] for row in rows] for name in names})

@@ -3,12 +3,12 @@
 import hashlib
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.robustness.classes import failure_classes, planning_verdict
-from drake_blfdmp.evaluation.robustness.tasks import RandomTask, draw_task, task_scenario
+from drake_blfdmp.evaluation.robustness.tasks import HARDER, RandomTask, draw_task, task_scenario
 from drake_blfdmp.evaluation.simulation import Judge
 from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.planning.planned import Plan
@@ -17,23 +17,24 @@ from drake_blfdmp.planning.scenario import DumpScenario, Scenario
 
 @dataclass(frozen=True)
 class Trial:
-    """A task, a law, and the scenario that carries out both."""
+    """A task, a law, and the scenario that carries out both; it may be planned only, to see whether it is refused."""
 
     task: RandomTask
     law: str
     scenario: Scenario
+    planned_only: bool = False
 
     @property
     def key(self) -> str:
         """What its row is known by: another seed, task, law or setting has another."""
         digest = hashlib.sha256(DumpScenario(self.scenario).encode()).hexdigest()[:12]
-        return f"{self.scenario.name}-{digest}"
+        return f"{self.scenario.name}-{digest}{'-planned' if self.planned_only else ''}"
 
     def run(self) -> dict:
         """Plan, simulate and judge: the trial's row, in plain numbers and text, for JSON.
 
         Returns:
-            `verdict` and `classes` as in `classes`; `message`: why it was refused, or each missed threshold's sentence;
+            `verdict` and `classes` as in `classes`, "planned" where that was all; `message`: why it was refused, or each missed threshold's sentence;
             `notes`: what the planner changed; `measured`: numbers of the summary and the plan, None where nothing was
             simulated; `plan_s`, `run_s`: wall time.
         """
@@ -46,6 +47,8 @@ class Trial:
             told = {"verdict": verdict, "classes": [kind], "message": str(error)}
             return row | told | {"plan_s": time.perf_counter() - started}
         planned = time.perf_counter()
+        if self.planned_only:
+            return row | {"verdict": "planned", "classes": [], "notes": list(plan.notes), "plan_s": planned - started}
         try:
             summary = Judge(plan)
         except BlfDmpError as error:  # A number that is not finite, say.
@@ -83,8 +86,19 @@ def make_trials(base: Scenario, law: str, count: int) -> list[Trial]:
     return [Trial(task, law, task_scenario(base, task, law)) for task in tasks]
 
 
+def make_harder_trials(base: Scenario, count: int) -> list[Trial]:
+    """The first `count` tasks of the base's seed from the ranges `HARDER`, with the default law, to be planned only."""
+    trials = []
+    for index in range(count):
+        task = draw_task(base.seed, index, HARDER)
+        scenario = task_scenario(base, task, "default")
+        name = f"harder-{task.seed}-{index:04d}"
+        trials.append(Trial(task, "default", replace(scenario, name=name), planned_only=True))
+    return trials
+
+
 def write_failures(folder: Path, trials: Sequence[Trial], rows: Sequence[Mapping]) -> list[Path]:
-    """Write the scenario of every trial that was no success, to be run again: `python run.py --scenario FILE`.
+    """Write the scenario of every trial that was no success (and was to be more than planned), to be run again: `python run.py --scenario FILE`.
 
     Args:
         folder: is made where there is something to write.
@@ -95,7 +109,7 @@ def write_failures(folder: Path, trials: Sequence[Trial], rows: Sequence[Mapping
     """
     written = []
     for trial, row in zip(trials, rows, strict=True):
-        if row["verdict"] == "success":
+        if row["verdict"] in ("success", "planned"):
             continue
         folder.mkdir(exist_ok=True)
         written.append(folder / f"{trial.scenario.name}.yaml")

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,7 +10,7 @@ from drake_blfdmp.errors import BlfDmpError, TaskError
 from drake_blfdmp.evaluation.robustness import trial as module
 from drake_blfdmp.evaluation.robustness.campaign import run_jobs
 from drake_blfdmp.evaluation.robustness.quick import quick_base
-from drake_blfdmp.evaluation.robustness.trial import Trial, make_trials, write_failures
+from drake_blfdmp.evaluation.robustness.trial import Trial, make_harder_trials, make_trials, write_failures
 from drake_blfdmp.planning.scenario import Scenario
 
 
@@ -80,6 +81,23 @@ def test_keys_differ_with_the_task_the_law_and_every_setting():
     assert len({trial.key for trial in trials}) == len(trials)
     more = make_trials(replace(base, robustness=replace(base.robustness, tasks={"default": 1000})), "default", 2)
     assert [trial.key for trial in more] == [trial.key for trial in trials[:2]]
+
+
+def test_harder_tasks_are_only_planned_and_leave_a_file_where_they_are_refused(tmp_path, monkeypatch):
+    easy, heavy = make_harder_trials(Scenario(), 2)
+
+    def plan(scenario):
+        if scenario == heavy.scenario:
+            raise TaskError("box: too heavy", reason="force")
+        return SimpleNamespace(notes=("raised",))
+
+    monkeypatch.setattr(module, "MakePlan", plan)
+    rows = [easy.run(), heavy.run()]
+    assert [(row["verdict"], row["classes"]) for row in rows] == [("planned", []), ("refused", ["force"])]
+    assert rows[0]["run_s"] is None and rows[0]["notes"] == ["raised"]
+    (file,) = write_failures(tmp_path / "refused", [easy, heavy], rows)
+    assert file.name == "harder-0-0001.yaml" and "refused (force)" in file.read_text(encoding="utf-8")
+    assert easy.key != replace(easy, planned_only=False).key and easy.key.startswith("harder-0-0000-")
 
 
 def test_a_success_leaves_no_file_and_a_crash_does(tmp_path):
