@@ -274,7 +274,7 @@ class RobustnessConfig:
 
     Attributes:
         tasks: law -> how many of the random tasks it is tried on, the first ones of the seed.
-        harder: how many tasks from wider ranges, in which much cannot be done, are planned, for what is refused of them.
+        harder: how many tasks from wider ranges, in which much cannot be done, are planned for a sample of refusals.
         refusals: how many refused tasks, at most, are looked at once more, whether the refusal was right.
         timeout_s: wall time after which a trial is given up.
         results: file of results, which are added to, and not made again where they are there; None: a new one in the

@@ -63,7 +63,8 @@ class RefusalCheck:
         return self._row(False, f"not shown: {error}")
 
     def _row(self, right: bool, evidence: str) -> dict:
-        return {"key": self.key, "task": self.trial.scenario.name, "reason": self.reason, "right": right, "evidence": evidence}
+        name = self.trial.scenario.name
+        return {"key": self.key, "task": name, "reason": self.reason, "right": right, "evidence": evidence}
 
 
 def check_reach(scenario: Scenario) -> tuple[bool, str]:

@@ -34,9 +34,9 @@ class Trial:
         """Plan, simulate and judge: the trial's row, in plain numbers and text, for JSON.
 
         Returns:
-            `verdict` and `classes` as in `classes`, "planned" where that was all; `message`: why it was refused, or each missed threshold's sentence;
-            `notes`: what the planner changed; `measured`: numbers of the summary and the plan, None where nothing was
-            simulated; `plan_s`, `run_s`: wall time.
+            `verdict` and `classes` as in `classes`, "planned" where that was all; `message`: why it was refused, or
+            each missed threshold's sentence; `notes`: what the planner changed; `measured`: numbers of the summary and
+            the plan, None where nothing was simulated; `plan_s`, `run_s`: wall time.
         """
         row = self.crashed("")
         started = time.perf_counter()
@@ -98,7 +98,7 @@ def make_harder_trials(base: Scenario, count: int) -> list[Trial]:
 
 
 def write_failures(folder: Path, trials: Sequence[Trial], rows: Sequence[Mapping]) -> list[Path]:
-    """Write the scenario of every trial that was no success (and was to be more than planned), to be run again: `python run.py --scenario FILE`.
+    """Write the scenario of every trial that was refused, failed or crashed: `python run.py --scenario FILE`.
 
     Args:
         folder: is made where there is something to write.

@@ -166,4 +166,5 @@ def test_checks_are_sampled_counted_and_told():
     assert isinstance(checks[0], RefusalCheck) and checks[0].key != trials[0].key
     results = [checks[0].crashed("no end after 9 s, killed"), checks[1].crashed("") | {"right": True}]
     assert refusals_right(results) == proportion(1, 2) and refusals_right([]) is None
-    assert refusal_table(results).rows()[0] == ("robustness-0-0000-default", "reach", False, "not shown: no end after 9 s, killed")
+    told = ("robustness-0-0000-default", "reach", False, "not shown: no end after 9 s, killed")
+    assert refusal_table(results).rows()[0] == told
