@@ -16,6 +16,7 @@ from drake_blfdmp.evaluation.studies.feedback_runs import (
 )
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.planning.plan import MakePlan, Plan
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import feedback as drawing
 
 QUICK_WORLDS = ("box 10 mm wider",)
@@ -56,10 +57,14 @@ def study(context: StudyContext) -> Study:
     return Study(
         claims=[*widths(runs, wanted), *soft(runs, wanted), *pushes(runs, plan.push_at_s), *phase(runs), carried(runs)],
         figures={
-            "bands": drawing.bands(
-                {world: {loop: series[world, loop] for loop in LOOPS} for world in shown}, windows, wanted
+            "bands": Drawing(
+                drawing.bands,
+                {world: {loop: series[world, loop] for loop in LOOPS} for world in shown},
+                windows,
+                wanted,
             ),
-            "tempo": drawing.tempos(
+            "tempo": Drawing(
+                drawing.tempos,
                 {world: series[world, "closed"] for world in slowed},
                 {world: _lag(runs[world, "closed"]) for world in slowed},
                 _hold(plan, runs[slowed[0], "closed"]) if context.quick else window,

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from drake_blfdmp.evaluation.studies.generalisation_cases import (
     AT_ODDS,
@@ -29,6 +28,7 @@ from drake_blfdmp.evaluation.studies.random_gain_search import PUBLISHED
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import MakeMotion, MakeTask
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import generalisation as drawing
 
 COUNT, QUICK_COUNT, QUICK_STEP, STRIDE = 100, 6, 0.005, 5
@@ -36,7 +36,7 @@ COMPARED = ("default", "none", "published")
 REACHED, ALIKE = 0.005, 0.95
 
 
-def examples(cases: Mapping[str, Case], motions: Mapping[tuple[str, str], Motion]) -> Figure:
+def examples(cases: Mapping[str, Case], motions: Mapping[tuple[str, str], Motion]) -> Drawing:
     """One problem with a goal in a circle, and three durations and boxes."""
     circle = cases[MOVING[1]]
     clock = motions[MOVING[1], "default"].t
@@ -52,7 +52,7 @@ def examples(cases: Mapping[str, Case], motions: Mapping[tuple[str, str], Motion
             running = motion.t <= tau
             distances[case].append(drawing.Curve(label, motion.t[running], motion.apart[running, member]))
     followers = {name: motions[MOVING[1], name].middle[inside, 0, 0] for name in ("none", "default")}
-    return drawing.examples(drawing.Curve("goal", clock[inside], goals), followers, distances)
+    return Drawing(drawing.examples, drawing.Curve("goal", clock[inside], goals), followers, distances)
 
 
 def study(context: StudyContext) -> Study:
@@ -74,7 +74,7 @@ def study(context: StudyContext) -> Study:
     context.progress("drawing", 1.0)
     return Study(
         claims=make_claims(rows),
-        figures={"overview": drawing.overview(rows), "examples": examples(cases, motions)},
+        figures={"overview": Drawing(drawing.overview, rows), "examples": examples(cases, motions)},
         captions={
             "overview": "Share of problems in which a band is left, and means of the distance to the goal and to the "
             "uncoupled motion of the same problem (zero without coupling), of the problems that did not diverge.",

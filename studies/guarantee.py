@@ -12,6 +12,7 @@ from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import LawGains, MakeMotion, MakeTask
 from drake_blfdmp.skeleton import HANDS
 from drake_blfdmp.skill.laws import LAWS
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import random_problems as drawing
 
 COUNT, COMPARED, SEARCHED = 10_000, 1000, 40
@@ -97,9 +98,9 @@ def study(context: StudyContext) -> Study:
             ),
         ],
         figures={
-            "violations": drawing.shares(left),
-            "least_margins": drawing.least_margins(outcomes[ANY_GAINS].least),
-            "first_times": drawing.first_times(relative),
+            "violations": Drawing(drawing.shares, left),
+            "least_margins": Drawing(drawing.least_margins, outcomes[ANY_GAINS].least),
+            "first_times": Drawing(drawing.first_times, relative),
         },
         captions={
             "violations": "Problems in which a link leaves its band, with exact 95 % confidence intervals; an arrow: "

@@ -14,7 +14,8 @@ from drake_blfdmp.evaluation.study import Claim, Study, StudyContext
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import LawGains, MakeMotion, MakeTask
 from drake_blfdmp.skeleton import HANDS
-from drake_blfdmp.viewing.study_figures.laws import hand_distances, learning
+from drake_blfdmp.viewing.drawing import Drawing
+from drake_blfdmp.viewing.study_figures.laws import HandsBand, hand_distances, learning
 
 TITLES = {"constant": "$d_j$ = 0.30 m", "moving": "$d_j(t)$ of the task"}
 COMPETITORS = ("published", "published_loop", "gams")
@@ -124,16 +125,18 @@ def study(context: StudyContext) -> Study:
             ),
         ],
         figures={
-            "hand_distance": hand_distances(
+            "hand_distance": Drawing(
+                hand_distances,
                 t,
                 recorded,
-                {title: cases[name].task.bands for name, title in TITLES.items()},
+                {title: HandsBand.of(cases[name].task.bands, t) for name, title in TITLES.items()},
                 {title: {law: run.hands for law, run in cases[name].runs.items()} for name, title in TITLES.items()},
                 {title: compare.learned(cases[name]) for name, title in TITLES.items()},
                 start=START,
                 rate=RECORDING_RATE,
             ),
-            "learning": learning(
+            "learning": Drawing(
+                learning,
                 {
                     f"{name} $d_j$": (
                         np.array([e.rms for e in one.epochs]),

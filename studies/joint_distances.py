@@ -11,6 +11,7 @@ from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask
 from drake_blfdmp.skeleton import LINKS
 from drake_blfdmp.skill.bands import LOWER, UPPER
 from drake_blfdmp.viewing import study_figures
+from drake_blfdmp.viewing.drawing import Drawing
 
 SAMPLES = 15
 """What the paper needs to come inside its bands."""
@@ -50,6 +51,8 @@ def study(context: StudyContext) -> Study:
     rest = float(np.abs(modified.lengths - bands.desired(t)[0])[settled][:, bones].max())
     least = min(entry["min_margin"] for entry in after.values())
     funnel, paper = bands.evaluate(t), bands.paper().evaluate(t)
+
+    drawn = funnel[:, [LOWER, UPPER]], paper[:, [LOWER, UPPER]]
 
     context.progress("drawing", 0.8)
     rows = {"link": list(after), "desired_m": [entry["desired_m"] for entry in after.values()]}
@@ -97,10 +100,10 @@ def study(context: StudyContext) -> Study:
             ),
         ],
         figures={
-            "original": study_figures.arm_lengths(t, original.lengths, funnel, paper, recorded=recorded),
-            "modified": study_figures.arm_lengths(t, modified.lengths, funnel, paper),
-            "modified_start": study_figures.arm_lengths(
-                t, modified.lengths, funnel, paper, start=(RECORDING_RATE, SAMPLES)
+            "original": Drawing(study_figures.arm_lengths, t, original.lengths, *drawn, recorded=recorded),
+            "modified": Drawing(study_figures.arm_lengths, t, modified.lengths, *drawn),
+            "modified_start": Drawing(
+                study_figures.arm_lengths, t, modified.lengths, *drawn, start=(RECORDING_RATE, SAMPLES)
             ),
         },
         captions={

@@ -15,6 +15,7 @@ from drake_blfdmp.evaluation.studies.noise_metrics import (
 )
 from drake_blfdmp.evaluation.studies.noise_takes import error_table, film, recording_table, spreads_of
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import noise as drawing
 
 SEEDS, QUICK_SEEDS = 20, 2
@@ -139,10 +140,15 @@ def study(context: StudyContext) -> Study:
             jitter_claim(real),
         ],
         figures={
-            "errors": drawing.position_errors(
-                t, arms, held_interval(), {kind: norms[:, points].ravel() for kind, points in KINDS.items()}
+            "errors": Drawing(
+                drawing.position_errors,
+                t,
+                arms,
+                held_interval(),
+                {kind: norms[:, points].ravel() for kind, points in KINDS.items()},
             ),
-            "recordings": drawing.length_spreads(
+            "recordings": Drawing(
+                drawing.length_spreads,
                 [label(one.name) for one in shown],
                 {title: spreads_of(shown, name) for name, title in LENGTHS.items()},
                 np.array([one.jitter_m for one in shown]),

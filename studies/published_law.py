@@ -1,14 +1,23 @@
 """Five facts about the published law (7)-(13) that the paper does not say, each as a number."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from drake_blfdmp.evaluation.studies import one_axis_facts as trials
 from drake_blfdmp.evaluation.studies.law_metrics import measure, roll_out_law, turned
+from drake_blfdmp.evaluation.studies.one_axis import OneAxisResult
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import MakeMotion, MakeTask
 from drake_blfdmp.skeleton import LINKS
-from drake_blfdmp.viewing.study_figures.one_axis import facts, growth
+from drake_blfdmp.viewing.drawing import Drawing
+from drake_blfdmp.viewing.study_figures.one_axis import Trial, facts, growth
+
+
+def shown(runs: Mapping[str, OneAxisResult]) -> dict[str, Trial]:
+    """What the figure shows of trials."""
+    return {name: Trial(run.t, run.x, run.error, run.half_width) for name, run in runs.items()}
 
 
 def study(context: StudyContext) -> Study:
@@ -117,17 +126,19 @@ def study(context: StudyContext) -> Study:
             ),
         ],
         figures={
-            "facts": facts(
+            "facts": Drawing(
+                facts,
                 line.share,
                 {"$k_2$ = 0": line.printed, f"$k_2$ = {trials.DAMPING:g} m/s": line.damped},
-                moving,
-                goals,
+                shown(moving),
+                shown(goals),
                 trials.OWN_GOAL,
-                lagged,
-                signs,
+                shown({"lagged": lagged})["lagged"],
+                shown(signs),
                 angles,
             ),
-            "growth": growth(
+            "growth": Drawing(
+                growth,
                 {step: one.change[-40:] for step, one in grows.items()},
                 {step: one.predicted for step, one in grows.items()},
             ),

@@ -1,8 +1,10 @@
 """Random tasks: how often each law carries the box, what fails and why, and whether what is refused cannot be done."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import numpy as np
 
 from drake_blfdmp.evaluation.robustness import claims
 from drake_blfdmp.evaluation.robustness.campaign import Job, run_jobs
@@ -13,6 +15,7 @@ from drake_blfdmp.evaluation.robustness.refusals import refusal_table, refusals_
 from drake_blfdmp.evaluation.robustness.tables import class_table, group_table, law_table, task_table
 from drake_blfdmp.evaluation.robustness.trial import make_harder_trials, make_trials, write_failures
 from drake_blfdmp.evaluation.study import Study, StudyContext
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import robustness as drawing
 
 QUICK_TASKS = {"default": 1, "none": 1}
@@ -71,12 +74,15 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
     return Study(
         claims=[*claims.default_claims(of_law["default"], rates["default"]), refused, claims.law_claim(rates)],
         figures={
-            "success": drawing.success({law: shares(one) for law, one in shown.items()}, claims.SHARE),
-            "classes": drawing.failures(
-                {law: one.classes for law, one in shown.items()}, {law: one.feasible for law, one in shown.items()}
+            "success": Drawing(drawing.success, {law: shares(one) for law, one in shown.items()}, claims.SHARE),
+            "classes": Drawing(
+                drawing.failures,
+                {law: one.classes for law, one in shown.items()},
+                {law: one.feasible for law, one in shown.items()},
             ),
-            "where": drawing.where(of_law["default"]),
-            "accuracy": drawing.accuracy(
+            "where": Drawing(drawing.where, *places(of_law["default"])),
+            "accuracy": Drawing(
+                drawing.accuracy,
                 {law: values(found, "placement_error_m") for law, found in of_law.items()},
                 {law: values(found, "max_tilt_deg") for law, found in of_law.items()},
                 {
@@ -105,6 +111,17 @@ def carry_out(context: StudyContext, folder: Path) -> Study:
         ],
         shown=["laws", "failures", "sensors", *(["refusals"] if checked else [])],
     )
+
+
+def places(rows: Sequence[Mapping]) -> tuple[dict[str, np.ndarray], list[str], dict[str, np.ndarray]]:
+    """What the figure needs of the default law's rows."""
+    nowhere = [np.nan] * 3
+    ends = {
+        name: np.array([row["measured"][name] if row["measured"] else nowhere for row in rows]).reshape(-1, 3)
+        for name in ("start_m", "goal_m")
+    }
+    tasks = {name: np.array([row["task"][name] for row in rows], dtype=float) for name in drawing.DRAWN}
+    return tasks, [row["verdict"] for row in rows], ends
 
 
 def shares(rates: LawRates) -> tuple[drawing.Interval, drawing.Interval, int]:

@@ -8,6 +8,7 @@ from drake_blfdmp.evaluation.studies.sampling_cells import Cell, Grid, as_table,
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import MakeMotion, MakeTask
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures.sampling import regions
 
 RATES = (10.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0, 300.0, 500.0, 1000.0, 2000.0)
@@ -42,10 +43,13 @@ def study(context: StudyContext) -> Study:
     )
     shown = {family: shares(grid, inner, family) for family in RATIOS}
 
+    fine = np.geomspace(totals[0], totals[-1], 200)
+    bounds = {family: np.transpose([slowest(family, total) for total in fine]) for family in RATIOS}
+
     context.progress("drawing", 1.0)
     return Study(
         claims=make_claims(inner, at_edge),
-        figures={"regions": regions(shown, totals, rates, slowest)},
+        figures={"regions": Drawing(regions, shown, totals, rates, fine, bounds)},
         captions={
             "regions": f"Share of {count} random problems a cell in which a link leaves its band (empty: none), the "
             "limit that is enforced, and the linear bound."

@@ -22,6 +22,7 @@ from drake_blfdmp.planning.squeeze import LARGEST_FORCE, AskedForce
 from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.grasp_force import ARMS_FACTOR, PADS_FACTOR, least_squeeze, turning_factor
 from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, HOME, MakeKinematicPlant
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import squeeze as drawing
 
 MASSES = (0.2, 0.5, 1.0, 2.0, 3.5, 5.0)
@@ -67,7 +68,7 @@ def study(context: StudyContext) -> Study:
     mesh = [mesh_factor(scenario, offset) for offset in offsets]
 
     progress("drawing", 1.0)
-    fine = np.linspace(0.0, max(OFFSETS), 60)
+    fine, between = np.linspace(0.0, max(OFFSETS), 60), np.geomspace(forces[0], forces[-1], 100)
     curves = {
         "disc": turning_factor(fine, pad.radius),
         "its mesh": np.interp(fine, *zip(*{0.0: 1.0, **dict(zip(offsets, mesh, strict=True))}.items(), strict=True)),
@@ -84,20 +85,24 @@ def study(context: StudyContext) -> Study:
             whole_range(),
         ],
         figures={
-            "deformation": drawing.deformation(
+            "deformation": Drawing(
+                drawing.deformation,
                 np.array(forces),
                 {modulus: depths.mean(axis=1) for modulus, (depths, _) in pressed.items()},
-                lambda force, modulus: pad_deformation(force, modulus, pad.depth, pad.area),
+                between,
+                {modulus: pad_deformation(between, modulus, pad.depth, pad.area) for modulus in pressed},
                 AskedForce(scenario.task),
             ),
-            "least": drawing.least_forces(
+            "least": Drawing(
+                drawing.least_forces,
                 {
                     title: (*as_grid(cells, lambda cell: cell.least), as_grid(cells, lambda cell: cell.ratio)[2])
                     for title, cells in (("at rest", still), (f"lifted, up to {LIFT.acceleration:g} m/s²", lifted))
                 },
                 LARGEST_FORCE,
             ),
-            "aside": drawing.aside(
+            "aside": Drawing(
+                drawing.aside,
                 np.array(offsets),
                 np.array([cell.least for cell in turned]),
                 fine,

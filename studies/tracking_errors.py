@@ -9,6 +9,7 @@ from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask
 from drake_blfdmp.skeleton import HANDS, LINKS, POINTS
 from drake_blfdmp.skill.projection import nearest_skeleton
 from drake_blfdmp.viewing import study_figures
+from drake_blfdmp.viewing.drawing import Drawing
 
 HALF_WIDTH = 0.01
 SAMPLES = 15
@@ -64,8 +65,8 @@ def study(context: StudyContext) -> Study:
             name: {joint: e[:, POINTS.index(f"{side}_{joint}")] for joint in ("elbow", "wrist")}
             for name, e in errors.items()
         }
-        figures[f"errors_{side}_arm"] = study_figures.axis_errors(
-            t, shown["original"], shown["modified"], HALF_WIDTH, events
+        figures[f"errors_{side}_arm"] = Drawing(
+            study_figures.axis_errors, t, shown["original"], shown["modified"], HALF_WIDTH, events
         )
         captions[f"errors_{side}_arm"] = (
             f"Errors of the {side} arm to the nearest skeleton with the desired lengths, original and modified "

@@ -10,6 +10,7 @@ from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask
 from drake_blfdmp.skeleton import LINKS, POINTS
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import trajectories as drawing
 
 SEEDS, QUICK_SEEDS = 20, 2
@@ -113,8 +114,8 @@ def study(context: StudyContext) -> Study:
             truth_claim(truth),
         ],
         figures={
-            "paths": drawing.paths(recorded, original.x, modified.x),
-            "skeletons": drawing.skeletons(shown, original.x[at], modified.x[at], outside[at]),
+            "paths": Drawing(drawing.paths, recorded, original.x, modified.x),
+            "skeletons": Drawing(drawing.skeletons, shown, original.x[at], modified.x[at], outside[at]),
         },
         captions={
             "paths": "Paths of shoulders, elbows and wrists: recorded, original and modified movement primitives (Fig. "

@@ -10,6 +10,7 @@ from drake_blfdmp.evaluation.studies.redundancy_runs import (
     RedundancyRun,
     SimulatePlan,
     held_means,
+    instants,
     phase_times,
     posture_row,
     swivel_series,
@@ -18,6 +19,7 @@ from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.robot.redundancy import REDUNDANCIES
 from drake_blfdmp.viewing import robot_figures
+from drake_blfdmp.viewing.drawing import Drawing
 from drake_blfdmp.viewing.study_figures import frankas
 
 WIDE = 0.010
@@ -51,13 +53,19 @@ def study(context: StudyContext) -> Study:
     return Study(
         claims=claims,
         figures={
-            "stills": frankas.pictures(plan, swivel.log, times, 150 if context.quick else 300),
-            "swivel": frankas.swivel_angles(
-                {setting: run.log for setting, run in runs.items()},
-                {setting: run.swivel_error for setting, run in runs.items()},
-                {setting: run.elbow_off for setting, run in runs.items()},
+            "stills": Drawing(
+                frankas.pictures, instants(plan, swivel.log, times), pixels=150 if context.quick else 300
             ),
-            "squeeze": robot_figures.contact_forces(swivel.log),
+            "swivel": Drawing(
+                frankas.swivel_angles,
+                swivel.log.t,
+                {
+                    setting: frankas.Swivels(run.log.swivel_desired, run.swivel_error, run.elbow_off)
+                    for setting, run in runs.items()
+                },
+                swivel.log.events,
+            ),
+            "squeeze": Drawing(robot_figures.palm_forces, swivel.log.t, swivel.log.palm_force, swivel.log.events),
         },
         captions={
             "stills": "The smooth motion that was learned, the skill, and the robots at the same instants, from the "

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.viewing.drawing import Drawing
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Claim:
         measured: what was measured, figures and units in words.
         holds: None where it cannot be judged.
         why: needed where `holds` is not True.
+        timed: what was measured is time, so it differs from run to run; `study.mcap` does not hold it.
 
     Raises:
         BlfDmpError: a text is missing, or `holds` is none of the three.
@@ -33,6 +34,7 @@ class Claim:
     measured: str
     holds: bool | None
     why: str = ""
+    timed: bool = False
 
     def __post_init__(self):
         if isinstance(self.holds, np.bool_):
@@ -50,11 +52,16 @@ class Claim:
 class Table:
     """Columns of one length: name with unit, for example "time_s", to (N,) numbers or strings.
 
+    Args:
+        timed: columns of times that a computation took; `study.mcap` does not hold them.
+
     Raises:
-        BlfDmpError: no column, a column that is not one-dimensional, or columns of different lengths.
+        BlfDmpError: no column, a column that is not one-dimensional, columns of different lengths, or `timed` names
+            none.
     """
 
     columns: Mapping[str, Sequence | np.ndarray]
+    timed: Sequence[str] = ()
 
     def __post_init__(self):
         shapes = {name: _shape(column) for name, column in self.columns.items()}
@@ -62,6 +69,9 @@ class Table:
         if not shapes or not flat or len(set(shapes.values())) > 1:
             told = ", ".join(f"{name} {shape}" for name, shape in shapes.items()) or "none"
             raise BlfDmpError(f"table: columns must be one-dimensional and of one length, but there are: {told}")
+        for name in self.timed:
+            if name not in self.columns:
+                raise BlfDmpError(f"table: timed names '{name}', which is no column; columns: {_listed(self.columns)}")
 
     def rows(self) -> list[tuple]:
         """The rows, as tuples of Python's own numbers and strings, columns in their order."""
@@ -77,7 +87,7 @@ class Study:
 
     Args:
         claims: in the order in which the report shows them.
-        figures: file stem to figure, drawn under `viewing.style.styled`.
+        figures: file stem to drawing: what draws the figure, and from what. It is drawn from `study.mcap` alone.
         captions: the same stems to one sentence each.
         tables: file stem to table; each is written as a CSV file.
         notes: sentences, among them what stands in for data the paper never published.
@@ -89,7 +99,7 @@ class Study:
     """
 
     claims: Sequence[Claim]
-    figures: Mapping[str, Figure]
+    figures: Mapping[str, Drawing]
     captions: Mapping[str, str]
     tables: Mapping[str, Table]
     notes: Sequence[str] = ()
@@ -98,7 +108,7 @@ class Study:
     def __post_init__(self):
         for name, parts, kind in (
             ("claims", self.claims, Claim),
-            ("figures", self.figures.values(), Figure),
+            ("figures", self.figures.values(), Drawing),
             ("tables", self.tables.values(), Table),
             ("notes", [self.notes], list | tuple),
         ):

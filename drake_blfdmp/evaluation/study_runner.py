@@ -5,7 +5,6 @@ and what it hands back.
 """
 
 import ast
-import csv
 import importlib.util
 import shlex
 import sys
@@ -17,9 +16,10 @@ from pathlib import Path
 
 from drake_blfdmp.errors import BlfDmpError, ScenarioError
 from drake_blfdmp.evaluation.report import write_report
-from drake_blfdmp.evaluation.study import FigureFile, Study, StudyContext, StudyResult, Table
+from drake_blfdmp.evaluation.study import FigureFile, Study, StudyContext, StudyResult
+from drake_blfdmp.evaluation.study_file import FILE, csv_text, write_study
 from drake_blfdmp.planning.scenario import DumpScenario, LoadScenario
-from drake_blfdmp.viewing.style import save
+from drake_blfdmp.viewing.redrawing import draw_study, read_study
 
 ORDER = (
     "measurement_noise",
@@ -183,16 +183,17 @@ def _run(
         if not isinstance(study, Study):
             raise BlfDmpError(f"{script.script}: study() returned a {type(study).__name__}; return a Study")
         progress("writing", 0.0)
-        _write(study, folder)
+        about = {"name": script.name, "description": script.description, "quick": options.quick}
+        write_study(folder / FILE, study, scenario, about)
+        for stem, table in study.tables.items():
+            (folder / f"{stem}.csv").write_text(csv_text(table), encoding="utf-8", newline="")
+        # From the file and nothing else, so that they can be drawn again.
+        widths = draw_study(read_study(folder / FILE).attachments, folder, progress)
         result = replace(
             result,
             state="done",
             claims=tuple(study.claims),
-            # The figures themselves are let go: many of them at once take much memory.
-            figures={
-                stem: FigureFile(study.captions[stem], float(figure.get_figwidth()))
-                for stem, figure in study.figures.items()
-            },
+            figures={stem: FigureFile(study.captions[stem], width) for stem, width in widths.items()},
             shown={stem: study.tables[stem] for stem in study.shown},
             notes=tuple(study.notes),
         )
@@ -222,22 +223,6 @@ def LoadStudy(script: StudyScript) -> Callable[[StudyContext], object]:
     if not callable(study):
         raise BlfDmpError(f"{script.script}: has no function study(context)")
     return study
-
-
-def _write(study: Study, folder: Path) -> None:
-    for stem, figure in study.figures.items():
-        save(figure, folder / f"{stem}.png")
-        save(figure, folder / f"{stem}.svg")
-    for stem, table in study.tables.items():
-        write_csv(table, folder / f"{stem}.csv")
-
-
-def write_csv(table: Table, path: Path) -> None:
-    """Write a table as CSV with one line of names above; numbers with every digit they have."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table.columns)
-        writer.writerows(table.rows())
 
 
 def _files(folder: Path) -> tuple[str, ...]:

@@ -7,8 +7,12 @@
     robot_figures   joint angles, contact forces, the box, swivel angles
     study_figures   a package: the drawings of the studies
     rendering       triangles, a camera and pictures of them, without a GPU
-    stills          the arms, the box and the person at given instants, rendered, in a strip
+    stills          the person at given instants, and pictures in a strip
+    solids          bodies and their poses as plain data, and the triangles of these
+    planned_scene   the arms and the box of a plan as solids
     mesh_triangles  a real mesh as triangles, for stills
+    drawing         Drawing: a figure before it is drawn, kept in a recording
+    redrawing       redraw_study: the figures of a study from its file alone
     meshcat_scene   start_meshcat, set_scene_camera, write_scene_html
     stage           floor, grid and light of a Meshcat scene
     person_shape    body and legs of the ghost

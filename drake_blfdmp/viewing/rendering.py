@@ -7,13 +7,9 @@ faces.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from matplotlib.colors import to_rgb
-from pydrake.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, Mesh, Shape, Sphere
-
-from drake_blfdmp.errors import BlfDmpError
 
 AROUND = 24
 """Segments of a circle."""
@@ -94,34 +90,6 @@ def box_corners(size) -> np.ndarray:
             face = face[::-1] if axis == 1 else face
             faces += [face[[0, 1, 2]], face[[0, 2, 3]]]
     return 0.5 * np.array(faces, dtype=float) * np.asarray(size)
-
-
-def shape_corners(shape: Shape) -> np.ndarray:
-    """A Drake shape in its own frame (T, 3, 3); a mesh by its convex hull.
-
-    Raises:
-        BlfDmpError: the shape has no triangles here, as a half space.
-    """
-    if isinstance(shape, Sphere):
-        return capsule_corners(shape.radius(), 0.0)
-    if isinstance(shape, Capsule):
-        return capsule_corners(shape.radius(), shape.length())
-    if isinstance(shape, Cylinder):
-        return cylinder_corners(shape.radius(), shape.length())
-    if isinstance(shape, Ellipsoid):
-        return capsule_corners(1.0, 0.0) * [shape.a(), shape.b(), shape.c()]
-    if isinstance(shape, Box):
-        return box_corners(shape.size())
-    if isinstance(shape, Mesh | Convex):
-        hull = shape.GetConvexHull()
-        corner = np.array([hull.vertex(v) for v in range(hull.num_vertices())])
-        fans = []
-        for f in range(hull.num_faces()):
-            face = hull.element(f)
-            ring = [face.vertex(i) for i in range(face.num_vertices())]
-            fans += [(ring[0], b, c) for b, c in pairwise(ring[1:])]
-        return corner[np.array(fans)]
-    raise BlfDmpError(f"still: a {type(shape).__name__} cannot be drawn; remove its illustration role")
 
 
 def normals(corners) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Figures of the two arms and the box, in the world frame: did the robots do what the skill asked?"""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
@@ -54,17 +56,22 @@ def joint_angles(log: RunLog) -> Figure:
     return figure
 
 
-@style.styled
 def contact_forces(log: RunLog) -> Figure:
     """Normal force of both palms on the box."""
+    return palm_forces(log.t, log.palm_force, log.events)
+
+
+@style.styled
+def palm_forces(t: np.ndarray, force: np.ndarray, events: Sequence[tuple[str, float]]) -> Figure:
+    """Normal force (N, 2), N, of both palms over t (N,), s; events are (name, s)."""
     figure = Figure(figsize=(style.COLUMN, 2.3))
     axis = figure.subplots()
     for palm, look in enumerate((style.LEFT, style.RIGHT)):
-        axis.plot(log.t, log.palm_force[:, palm], **look)
+        axis.plot(t, force[:, palm], **look)
     axis.set_ylabel("normal force (N)")
-    axis.set_ylim(bottom=min(0.0, style.finite_range(log.palm_force, pad=0.0)[0]))
-    style.finish_time_axis(axis, log.t)
-    style.mark_events((axis,), log.events, (log.t[0], log.t[-1]))
+    axis.set_ylim(bottom=min(0.0, style.finite_range(force, pad=0.0)[0]))
+    style.finish_time_axis(axis, t)
+    style.mark_events((axis,), events, (t[0], t[-1]))
     style.legend_above(figure, axis, columns=2)
     return figure
 

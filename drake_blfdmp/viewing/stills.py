@@ -1,72 +1,18 @@
-"""Pictures of the arms, the box and the person at given instants, side by side on a page; `rendering` makes them."""
+"""Pictures of the person and of anything else at given instants, side by side on a page; `rendering` makes them."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from pydrake.geometry import QueryObject, Rgba, Role, SceneGraphInspector
-from pydrake.systems.framework import DiagramBuilder
 
-from drake_blfdmp.diagrams.hold_and_place import AddPlannedPlant
-from drake_blfdmp.planning.plan import Plan
-from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skeleton import LINKS
 from drake_blfdmp.viewing import style
-from drake_blfdmp.viewing.mesh_triangles import is_gltf_in_memory, mesh_triangles
-from drake_blfdmp.viewing.rendering import Triangles, capsule_corners, coloured, joined, shape_corners
+from drake_blfdmp.viewing.rendering import Triangles, capsule_corners, coloured, joined
 
 INSIDE, OUTSIDE, BODY = style.GREEN, style.VERMILLION, "#5A6470"
 LEGEND = {"link inside its band": INSIDE, "link outside (drawn thicker)": OUTSIDE}
 """Text -> colour, of `skeleton`."""
-
-
-class SceneShapes:
-    """The illustration geometry of a scene graph, made into triangles once and posed for every still."""
-
-    def __init__(self, inspector: SceneGraphInspector):
-        """Take every geometry of the illustration role, in the colour that it has there."""
-        self._shapes = []
-        for geometry in inspector.GetAllGeometryIds(Role.kIllustration):
-            properties = inspector.GetIllustrationProperties(geometry)
-            rgba = properties.GetPropertyOrDefault("phong", "diffuse", Rgba(0.9, 0.9, 0.9, 1.0))
-            if rgba.a() > 0:
-                shape, colour = inspector.GetShape(geometry), (rgba.r(), rgba.g(), rgba.b())
-                gltf = is_gltf_in_memory(shape)
-                triangles = mesh_triangles(shape) if gltf else coloured(shape_corners(shape), colour)
-                self._shapes.append((geometry, triangles))
-
-    def posed(self, query: QueryObject) -> Triangles:
-        """The whole scene in W, as posed in the query's context."""
-        parts = []
-        for geometry, shape in self._shapes:
-            X_WG = query.GetPoseInWorld(geometry)
-            corners = shape.corners @ X_WG.rotation().matrix().T + X_WG.translation()
-            parts.append(Triangles(corners, shape.colours))
-        return joined(*parts)
-
-
-class PlannedScene:
-    """The plant of a plan, without its controllers, in any posture."""
-
-    def __init__(self, plan: Plan):
-        """Build it."""
-        builder = DiagramBuilder()
-        self._plant, scene_graph, self._arms, self._box = AddPlannedPlant(builder, plan)
-        self._diagram = builder.Build()
-        self._context = self._diagram.CreateDefaultContext()
-        self._plant_context = self._plant.GetMyMutableContextFromRoot(self._context)
-        self._scene_context = scene_graph.GetMyContextFromRoot(self._context)
-        self._query = scene_graph.get_query_output_port()
-        self._shapes = SceneShapes(scene_graph.model_inspector())
-
-    def at(self, q, box=None) -> Triangles:
-        """Everything with the arms at q (14,), rad, and the box, if there is one, at X_WB (7,) qw qx qy qz x y z."""
-        for arm, angles in zip(self._arms, np.split(np.asarray(q), 2), strict=True):
-            self._plant.SetPositions(self._plant_context, arm, angles)
-        if self._box is not None:
-            self._plant.SetFreeBodyPose(self._plant_context, self._box, rigid(box))
-        return self._shapes.posed(self._query.Eval(self._scene_context))
 
 
 def rod(start, end, radius: float, colour) -> Triangles:

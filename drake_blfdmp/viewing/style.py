@@ -64,6 +64,10 @@ def _look() -> dict[Any, Any]:
     return {key: value for key, value in matplotlib.rcParamsDefault.items() if key != "backend"} | dict(_RC)
 
 
+DRAWINGS: dict[str, Callable[..., Figure]] = {}
+"""Module and name of every function that `styled` has decorated so far, to the function."""
+
+
 def styled(make: Callable[..., Figure]) -> Callable[..., Figure]:
     """Decorates a function that returns a Figure, so that whatever it draws has this module's look."""
 
@@ -72,6 +76,7 @@ def styled(make: Callable[..., Figure]) -> Callable[..., Figure]:
         with matplotlib.rc_context(_look()):
             return make(*args, **kwargs)
 
+    DRAWINGS[f"{make.__module__}.{make.__qualname__}"] = wrapper
     return wrapper
 
 

@@ -27,6 +27,9 @@ MEASURED = (
     "duration_s",
 )
 
+TIMED = ("plan_s", "run_s")
+"""Wall time of a trial's planning and simulation."""
+
 
 def law_table(rates: Mapping[str, LawRates]) -> Table:
     """A row a law, shares in per cent with their intervals."""
@@ -79,10 +82,10 @@ def task_table(rows: Sequence[Mapping]) -> Table:
         columns[name] = [_number(row, name) for row in rows]
     for end in ("start", "goal"):
         columns |= {f"{end}_{axis}_m": [_number(row, f"{end}_m", i) for row in rows] for i, axis in enumerate("xyz")}
-    for name in ("plan_s", "run_s"):
+    for name in TIMED:
         columns[name] = [float("nan") if row[name] is None else row[name] for row in rows]
     columns |= {"message": [row["message"] for row in rows], "notes": ["; ".join(row["notes"]) for row in rows]}
-    return Table(columns)
+    return Table(columns, timed=TIMED)
 
 
 def _number(row: Mapping, name: str, index: int | None = None) -> float:

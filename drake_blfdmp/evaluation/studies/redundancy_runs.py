@@ -14,6 +14,9 @@ from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.recording.run_log import RunLog
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant
 from drake_blfdmp.robot.redundancy import ElbowKinematics
+from drake_blfdmp.skill.geometry import link_lengths
+from drake_blfdmp.viewing.planned_scene import PlannedScene
+from drake_blfdmp.viewing.study_figures.frankas import Instants
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,26 @@ def phase_times(plan: Plan, log: RunLog) -> dict[str, float]:
         "place": events["open"],
         "release": events["released"],
     }
+
+
+def instants(plan: Plan, log: RunLog, times: Mapping[str, float]) -> Instants:
+    """Person, skill and robots of a run at some times, s, by their names."""
+    scene, at = PlannedScene(plan), np.minimum(np.searchsorted(log.t, list(times.values())), len(log.t) - 1)
+
+    def inside(points: np.ndarray) -> np.ndarray:
+        return (log.lower[at] < link_lengths(points)) & (link_lengths(points) < log.upper[at])
+
+    poses = [scene.at(log.q[k], None if log.box is None else log.box[k]) for k in at]
+    person, skill = log.demonstrated[at], log.position[at]
+    return Instants(
+        names=list(times),
+        person=plan.retarget.point(person),
+        skill=plan.retarget.point(skill),
+        person_inside=inside(person),
+        skill_inside=inside(skill),
+        solids=scene.solids,
+        poses=np.array(poses),
+    )
 
 
 def posture_row(run: RedundancyRun) -> dict:

@@ -1,7 +1,8 @@
 """The laws side by side: hands' distance (Fig. 10), iterative learning, all five links, Remark 2."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,11 +29,31 @@ _END: dict[str, Any] = {
 }
 
 
+@dataclass(frozen=True)
+class HandsBand:
+    """What the hands' distance is to be on N samples, m.
+
+    Attributes:
+        desired: (N,) d_j.
+        funnel, bounds: (N, 2) lower and upper, opened to the start, and as (20) prints them.
+    """
+
+    desired: np.ndarray
+    funnel: np.ndarray
+    bounds: np.ndarray
+
+    @classmethod
+    def of(cls, bands: Bands, t: np.ndarray) -> Self:
+        """Of opened bands at t (N,), s."""
+        funnel, bounds = (some.evaluate(t)[:, :2, HANDS] for some in (bands, bands.paper()))
+        return cls(bands.desired(t)[0][:, HANDS], funnel, bounds)
+
+
 @style.styled
 def hand_distances(
     t: np.ndarray,
     recorded: np.ndarray,
-    bands: Mapping[str, Bands],
+    bands: Mapping[str, HandsBand],
     curves: Mapping[str, Mapping[str, np.ndarray]],
     learned: Mapping[str, np.ndarray],
     *,
@@ -44,7 +65,7 @@ def hand_distances(
     Args:
         t: (N,) s.
         recorded: (N,) m.
-        bands: title -> the case's opened bands.
+        bands: title -> the case's band.
         curves: title -> law -> (N,) m, NaN where it has gone.
         learned: title -> (N,) m, Gams et al. after their learning.
         start: s, shown on its own, with the samples of a recording at `rate`, 1/s, above.
@@ -52,8 +73,7 @@ def hand_distances(
     figure = Figure(figsize=(style.PAGE, 4.5))
     axes = figure.subplots(2, 3, width_ratios=(1.1, 1.0, 1.25))
     for row, (title, own) in enumerate(bands.items()):
-        desired, funnel = own.desired(t)[0][:, HANDS], own.evaluate(t)[:, :2, HANDS]
-        bounds = own.paper().evaluate(t)[:, :2, HANDS]
+        desired, funnel, bounds = own.desired, own.funnel, own.bounds
         for column, axis in enumerate(axes[row]):
             # The last column is in mm and relative to d_j, the others are in m.
             scale, base = (1e3, desired) if column == 2 else (1.0, np.zeros_like(desired))
@@ -125,7 +145,7 @@ def links_over_time(t: np.ndarray, lengths: Mapping[str, np.ndarray], bands: np.
     Args:
         t: (N,) s.
         lengths: law -> (N, 5) m.
-        bands: (N, 6, 5).
+        bands: (N, 2, 5) lower and upper, m.
     """
     figure = Figure(figsize=(style.PAGE, 3.6))
     axes = figure.subplots(2, 3, sharex=True, sharey=True)

@@ -39,7 +39,7 @@ def arm_lengths(
     Args:
         t: (N,) s.
         lengths: (N, 5) m.
-        funnel, paper: (N, 6, 5) the opened bands and those that (13) prints.
+        funnel, paper: (N, 2, 5) lower and upper of the opened bands and of those that (13) prints, m.
         recorded: (N, 5) m.
         start: samples a second and a number of samples: shows twice as many, with a line there.
     """

@@ -1,7 +1,7 @@
 """What the paper does not say of its law: trials on one axis, the links' turns, and the lagged reading's growth."""
 
 from collections.abc import Mapping
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,20 +16,14 @@ DOTTED, DASHED = (0, (1, 1)), (0, (4, 1.2))
 _SHORT = {"upper_arm": "upper", "forearm": "fore"}
 
 
-class Trial(Protocol):
+@dataclass(frozen=True)
+class Trial:
     """A trial on one axis: (N,) times, s, coordinate and signed distance from the middle of the band, m."""
 
-    @property
-    def t(self) -> np.ndarray: ...
-
-    @property
-    def x(self) -> np.ndarray: ...
-
-    @property
-    def error(self) -> np.ndarray: ...
-
-    @property
-    def half_width(self) -> float: ...
+    t: np.ndarray
+    x: np.ndarray
+    error: np.ndarray
+    half_width: float
 
 
 @style.styled

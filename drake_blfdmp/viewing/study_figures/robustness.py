@@ -19,6 +19,9 @@ VERDICT_LOOKS: dict[str, dict[str, Any]] = {
     "crash": {"color": style.DARK, "marker": "P", "markersize": 4.6, "zorder": 5},
 }
 
+DRAWN = ("width_m", "mass_kg", "friction", "duration", "mass_scale", "friction_scale")
+"""Of a task, what `where` shows besides the box's places."""
+
 Interval = tuple[float, float, float]
 """A share with the lower and the upper end of its interval."""
 
@@ -86,22 +89,17 @@ def failures(counts: Mapping[str, Mapping[str, int]], tasks: Mapping[str, int]) 
 
 
 @style.styled
-def where(rows: Sequence[Mapping]) -> Figure:
-    """Each task of the default law by its verdict, over what is drawn.
+def where(tasks: Mapping[str, np.ndarray], verdicts: Sequence[str], ends: Mapping[str, np.ndarray]) -> Figure:
+    """Each of N tasks of the default law by its verdict, over what is drawn.
 
     Args:
-        rows: of trials, as `robustness.trial` makes them.
+        tasks: each of `DRAWN` to (N,).
+        verdicts: N of `VERDICT_LOOKS`.
+        ends: "start_m" and "goal_m" to (N, 3) in W; NaN where nothing was planned.
     """
     figure = Figure(figsize=(style.PAGE, 4.4))
     axes = figure.subplots(2, 3)
-    tasks = {name: np.array([row["task"][name] for row in rows]) for name in ("width_m", "mass_kg", "friction")}
-    tasks |= {name: np.array([row["task"][name] for row in rows]) for name in ("duration", "mass_scale")}
-    tasks["friction_scale"] = np.array([row["task"]["friction_scale"] for row in rows])
-    verdicts = np.array([row["verdict"] for row in rows])
-    ends = {
-        name: np.array([row["measured"][name] if row["measured"] else [np.nan] * 3 for row in rows]).reshape(-1, 3)
-        for name in ("start_m", "goal_m")
-    }
+    found = np.array(verdicts)
     panels = (
         (tasks["mass_kg"], tasks["friction"], "mass (kg)", "friction"),
         (tasks["width_m"], tasks["duration"], "width (m)", "duration, over the person's"),
@@ -111,13 +109,13 @@ def where(rows: Sequence[Mapping]) -> Figure:
         (ends["start_m"][:, 2], ends["goal_m"][:, 2], "start z (m)", "goal z (m)"),
     )
     for axis, (x, y, across, up) in zip(axes.flat, panels, strict=True):
-        _by_verdict(axis, x, y, verdicts)
+        _by_verdict(axis, x, y, found)
         axis.set(xlabel=across, ylabel=up)
         axis.xaxis.set_major_locator(MaxNLocator(5))
         axis.yaxis.set_major_locator(MaxNLocator(5))
-    present = [name for name in VERDICT_LOOKS if (verdicts == name).any()]
+    present = [name for name in VERDICT_LOOKS if (found == name).any()]
     marks = [
-        Line2D([], [], linestyle="none", label=f"{name} ({np.sum(verdicts == name)})", **VERDICT_LOOKS[name])
+        Line2D([], [], linestyle="none", label=f"{name} ({np.sum(found == name)})", **VERDICT_LOOKS[name])
         for name in present
     ]
     figure.legend(handles=marks, loc="outside upper center", ncols=len(marks) or 1)

@@ -1,6 +1,6 @@
 """Where in the plane of gains and rate the sampled law leaves its bands, and what is enforced."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -20,18 +20,19 @@ def regions(
     shares: Mapping[str, np.ndarray],
     totals: Sequence[float],
     rates: Sequence[float],
-    slowest: Callable[[str, float], tuple[float, float]],
+    fine: np.ndarray,
+    slowest: Mapping[str, np.ndarray],
 ) -> Figure:
     """Share of problems that leave a band over gains and rate, with what is enforced and the linear bound.
 
     Args:
         shares: family of gains to (R, T) percent; NaN where unknown.
         totals: (T,) k_1 + k_2, 1/s; rates: (R,) Hz; both rising.
-        slowest: of a family and k_1 + k_2, the lowest rate that is enforced, and that of the linear bound, Hz.
+        fine: (K,) k_1 + k_2, 1/s, at which the bounds are drawn.
+        slowest: family to (2, K) the lowest rate that is enforced, and that of the linear bound, Hz.
     """
     figure = Figure(figsize=(style.PAGE, 3.3))
     axes = figure.subplots(1, len(shares), sharey=True)
-    fine = np.geomspace(totals[0], totals[-1], 200)
     columns, rows = np.arange(len(totals)), np.arange(len(rates))
     at = np.interp(np.log(fine), np.log(totals), columns)
     shades = None
@@ -43,7 +44,7 @@ def regions(
                 text = f"{value:.0f}" if value >= 1.0 else f"{value:.1f}"
                 colour = "white" if value > 60.0 else style.DARK
                 axis.text(column, row, text, ha="center", va="center", fontsize=5.5, color=colour)
-        for look, rate in zip(BOUNDS, np.transpose([slowest(family, total) for total in fine]), strict=True):
+        for look, rate in zip(BOUNDS, slowest[family], strict=True):
             axis.plot(at, np.interp(np.log(rate), np.log(rates), rows, left=np.nan, right=np.nan), **look)
         axis.set(title=family.replace("k_1", "$k_1$").replace("k_2", "$k_2$"), xlabel="$k_1 + k_2$ (1/s)")
         axis.set(xlim=(-0.5, len(totals) - 0.5), ylim=(-0.5, len(rates) - 0.5))

@@ -1,6 +1,6 @@
 """How pads deform, and the least squeeze that holds a box."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,8 @@ LOOKS: tuple[dict[str, Any], ...] = (
 def deformation(
     force: np.ndarray,
     measured: Mapping[float, np.ndarray],
-    estimate: Callable[[np.ndarray, float], np.ndarray],
+    fine: np.ndarray,
+    estimate: Mapping[float, np.ndarray],
     chosen: float,
 ) -> Figure:
     """Deformation over force, markers, with its estimate, lines.
@@ -30,14 +31,14 @@ def deformation(
     Args:
         force: (N,) N.
         measured: modulus in Pa to (N,) m.
-        estimate: of forces, N, and a modulus, Pa: m.
+        fine: (K,) N.
+        estimate: modulus in Pa to (K,) m.
         chosen: force that the main job presses with, N.
     """
     figure = Figure(figsize=(style.COLUMN, 2.5))
     axis = figure.subplots()
-    fine = np.geomspace(force[0], force[-1], 100)
     for look, (modulus, depth) in zip(LOOKS, measured.items(), strict=False):
-        axis.plot(fine, 1e3 * estimate(fine, modulus), color=look["color"], linestyle=look["linestyle"], linewidth=1.0)
+        axis.plot(fine, 1e3 * estimate[modulus], color=look["color"], linestyle=look["linestyle"], linewidth=1.0)
         axis.plot(force, 1e3 * depth, linestyle="none", marker=look["marker"], markersize=3.5, color=look["color"])
         # A line for the legend alone, with both looks.
         axis.plot([], [], linewidth=1.0, markersize=3.5, label=_modulus(modulus), **look)
