@@ -6,6 +6,7 @@
     python run.py inspect FILE                      what a recording holds, and whether a skill can be learned from it
     python run.py convert IN OUT                    any readable recording as CSV or MCAP
     python run.py studies                           the paper's figures and claims: what there is; --help tells more
+    python run.py figures FILE.mcap                 the figures of a study again, from its file alone
 
 Exit status: 0 success, 1 the run ended without success, 2 bad input.
 """
@@ -15,7 +16,7 @@ from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
-COMMANDS = ("inspect", "convert", "studies")
+COMMANDS = ("inspect", "convert", "studies", "figures")
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -21,6 +21,19 @@ def study(context):
     claims = [Claim("a", f"seed {{context.scenario.seed}}", True), Claim("b", f"{{context.quick}}", False, "so it is")]
     return Study(claims=claims, figures={{}}, captions={{}}, tables={{"t": Table({{"a": [1]}})}})
 '''
+DRAWS = '''"""Draws."""
+
+import numpy as np
+
+from drake_blfdmp.evaluation.study import Study
+from drake_blfdmp.viewing.drawing import Drawing
+from drake_blfdmp.viewing.study_figures.random_problems import first_times
+
+
+def study(context):
+    drawing = Drawing(first_times, {"none": np.random.default_rng(context.scenario.seed).uniform(0.1, 1.0, 20)})
+    return Study(claims=[], figures={"times": drawing}, captions={"times": "Times."}, tables={})
+'''
 FAILS = '"""Fails."""\n\n\ndef study(context):\n    raise ValueError("two\\nlines")\n'
 WAITS = (
     '"""Waits."""\n\nimport time\n\n\ndef study(context):\n    context.progress("waiting", 0.0)\n    time.sleep(600)\n'
@@ -73,6 +86,27 @@ def test_runs_one_and_says_where_the_report_is(checkout, command_line, capsys, t
     assert "seed 5" in report
     assert "Quick version" in report
     assert "    python run.py studies alone --seed 5 --out there --quick\n" in report
+
+
+def test_figures_are_drawn_again_from_the_file_alone(checkout, command_line, capsys, tmp_path):
+    add(checkout / "studies", "sampling", DRAWS)
+    assert command_line.main(["studies", "sampling", "--out", "there"]) == 0
+    script = checkout / "studies" / "sampling.py"
+    script.unlink()
+    file = Path("there") / "sampling" / "study.mcap"
+    assert command_line.main(["figures", str(file), "--out", "again"]) == 0
+    assert "2 files: again" in capsys.readouterr().out
+    for name in ("times.png", "times.svg"):
+        assert (tmp_path / "again" / name).read_bytes() == (file.parent / name).read_bytes()
+    for arguments, words in (
+        ([str(file), "--out", "again"], "nothing is overwritten"),
+        (["nowhere.mcap"], "nowhere.mcap: cannot be read"),
+        ([str(file.parent / "scenario.yaml")], "not an MCAP file"),
+    ):
+        assert command_line.main(["figures", *arguments]) == 2
+        out, err = capsys.readouterr()
+        assert out == "" and err.startswith("run.py: ") and words in err and err.count("\n") == 1
+    assert not (tmp_path / "runs").exists()
 
 
 def test_runs_all_in_order_into_a_folder_of_its_own(checkout, command_line, capsys, tmp_path):

@@ -161,7 +161,7 @@ class _Packer:
         return name
 
     def _refused(self, value: Any, place: tuple[str, ...]) -> PlainDataError:
-        kind = f"array of {value.dtype}" if isinstance(value, np.ndarray) else type(value).__name__
+        kind = f"array of {value.dtype}" if type(value) is np.ndarray else type(value).__name__
         where = " > ".join(place) or "the value itself"
         return PlainDataError(
             f"plain data: {where} is of the kind '{kind}'; use numbers, text, None, arrays of these, lists, tuples, "

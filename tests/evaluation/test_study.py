@@ -1,15 +1,16 @@
 """What a study hands back is checked as it is made; finding, loading and running studies of a folder made here."""
 
 import csv
+import io
 
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from drake_blfdmp.errors import BlfDmpError, ScenarioError
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
+from drake_blfdmp.evaluation.study_file import csv_text
 from drake_blfdmp.evaluation.study_runner import (
     ORDER,
     CheckOptions,
@@ -20,9 +21,11 @@ from drake_blfdmp.evaluation.study_runner import (
     StudyOptions,
     listing,
     summary_table,
-    write_csv,
 )
 from drake_blfdmp.planning.scenario import LoadScenario
+from drake_blfdmp.viewing.drawing import Drawing
+from drake_blfdmp.viewing.redrawing import redraw_study
+from drake_blfdmp.viewing.study_figures.random_problems import first_times
 
 GOOD = '''"""What it is.
 
@@ -30,17 +33,10 @@ More of it.
 """
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from drake_blfdmp.evaluation.study import Claim, Study, Table
-from drake_blfdmp.viewing import style
-
-
-@style.styled
-def draw(values):
-    figure = Figure(figsize=(style.COLUMN, 2.0))
-    figure.subplots().plot(values, **style.COUPLED)
-    return figure
+from drake_blfdmp.viewing.drawing import Drawing
+from drake_blfdmp.viewing.study_figures.random_problems import first_times
 
 
 def study(context):
@@ -48,7 +44,7 @@ def study(context):
     context.progress("counting", 0.5)
     return Study(
         claims=[Claim("a mass", f"{context.scenario.box.mass:g} kg, quick {context.quick}", True)],
-        figures={"noise": draw(values)},
+        figures={"noise": Drawing(first_times, {"none": np.abs(values)})},
         captions={"noise": f"{context.workers} workers, {context.recordings}"},
         tables={"noise": Table({"sample": range(5), "value_m": values})},
         notes=["A note."],
@@ -110,19 +106,29 @@ def test_columns_that_make_no_table_are_refused(columns):
         Table(columns)
 
 
-def test_a_table_comes_back_from_csv_digit_for_digit(tmp_path):
+def test_a_timed_column_must_be_there():
+    assert Table({"a": [1], "seconds": [0.1]}, timed=["seconds"]).timed == ["seconds"]
+    with pytest.raises(BlfDmpError, match="timed names 'secs', which is no column; columns: a, seconds"):
+        Table({"a": [1], "seconds": [0.1]}, timed=["secs"])
+
+
+def test_a_table_comes_back_from_csv_digit_for_digit():
     values = np.array([0.1, 1 / 3, -1e-300, np.nan, 6.02e23])
     names = ["plain", "comma, and", 'a "quote"', "two\nlines", "ü"]
-    write_csv(Table({"name": names, "value_m": values, "count": np.arange(5)}), tmp_path / "t.csv")
-    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
-        header, *rows = csv.reader(file)
+    text = csv_text(Table({"name": names, "value_m": values, "count": np.arange(5)}))
+    header, *rows = csv.reader(io.StringIO(text, newline=""))
     assert header == ["name", "value_m", "count"]
     assert [row[0] for row in rows] == names
     np.testing.assert_array_equal([float(row[1]) for row in rows], values)
     assert [int(row[2]) for row in rows] == [0, 1, 2, 3, 4]
 
 
-PARTS = {"claims": [], "figures": {"f": Figure()}, "captions": {"f": "A figure."}, "tables": {"t": Table({"a": [1]})}}
+PARTS = {
+    "claims": [],
+    "figures": {"f": Drawing(first_times, {})},
+    "captions": {"f": "A figure."},
+    "tables": {"t": Table({"a": [1]})},
+}
 
 
 @pytest.mark.parametrize(
@@ -134,7 +140,7 @@ PARTS = {"claims": [], "figures": {"f": Figure()}, "captions": {"f": "A figure."
         ({"shown": ["u"]}, "'u', which is no table; tables: t"),
         ({"tables": {"../t": Table({"a": [1]})}}, "no file stem"),
         ({"tables": {"t": {"a": [1]}}}, "tables holds a dict; use Table"),
-        ({"figures": {"f": None}}, "figures holds a NoneType; use Figure"),
+        ({"figures": {"f": None}}, "figures holds a NoneType; use Drawing"),
         ({"claims": ["it holds"]}, "claims holds a str; use Claim"),
         ({"notes": "one string, not several"}, "notes holds a str"),
     ],
@@ -238,7 +244,7 @@ def test_a_study_leaves_figures_tables_and_its_scenario(tmp_path):
     options = StudyOptions(settings=["seed=7", "box.mass=2"], quick=True, recordings=tmp_path, workers=3)
     out, results = run(tmp_path / "studies", tmp_path, options, lambda what, share: seen.append((what, share)))
     result = results["good"]
-    files = ("noise.csv", "noise.png", "noise.svg", "scenario.yaml")
+    files = ("noise.csv", "noise.png", "noise.svg", "scenario.yaml", "study.mcap")
     assert tuple(sorted(path.name for path in (out / "good").iterdir())) == result.files == files
     assert result.state == "done"
     assert result.seed == 7
@@ -267,6 +273,30 @@ def test_the_same_study_twice_gives_the_same_bytes(tmp_path):
         assert path.read_bytes() == (folders[1] / path.name).read_bytes(), path.name
     svg = (folders[0] / "noise.svg").read_text(encoding="utf-8")
     assert "<dc:date>" not in svg and matplotlib.__version__ not in svg
+
+
+def test_figures_drawn_again_from_the_file_are_the_same(tmp_path):
+    add_study(tmp_path / "studies", "good")
+    folder = run(tmp_path / "studies", tmp_path)[0] / "good"
+    for path in redraw_study(folder / "study.mcap", tmp_path / "again"):
+        assert path.read_bytes() == (folder / path.name).read_bytes(), path.name
+    assert {path.name for path in (tmp_path / "again").iterdir()} == {"noise.png", "noise.svg"}
+
+
+def test_a_figure_that_cannot_be_kept_fails_its_study_and_says_from_what(tmp_path):
+    add_study(tmp_path / "studies", "good", GOOD.replace("np.abs(values)", "{1, 2}"))
+    out, results = run(tmp_path / "studies", tmp_path)
+    assert results["good"].state == "failed"
+    assert "plain data: relative > none is of the kind 'set'" in results["good"].error
+    assert results["good"].files == ("error.txt", "scenario.yaml")
+    assert (out / "report.html").is_file()
+
+
+def test_what_is_written_before_a_figure_fails_stays(tmp_path):
+    add_study(tmp_path / "studies", "good", GOOD.replace("np.abs(values)", "None"))
+    _, results = run(tmp_path / "studies", tmp_path)
+    assert results["good"].state == "failed"
+    assert results["good"].files == ("error.txt", "noise.csv", "scenario.yaml", "study.mcap")
 
 
 FAILURES = {

@@ -91,10 +91,10 @@ def test_every_world_has_to_succeed_with_the_loop_closed(script):
     assert failed.holds is False and failed.why == "It fell."
 
 
-def test_the_quick_study_carries_a_wider_box_with_both_loops(script):
+def test_the_quick_study_carries_a_wider_box_with_both_loops(script, redrawn):
     scenario = LoadScenario(STUDIES / "feedback.yaml")
     result = script.study(StudyContext(scenario, True, lambda what, share: None, None))
-    assert set(result.figures) == {"bands", "tempo"}
+    assert set(redrawn(result)) == {"bands", "tempo"}
     table = result.tables["runs"].columns
     assert list(table["loop"]) == ["open", "closed"]
     opened, closed = table["force_mean_n"]

@@ -63,11 +63,11 @@ def distances():
 
 
 @pytest.mark.parametrize("name", ["noise", "trajectories", "errors", "distances"])
-def test_figures_are_drawn_and_say_what_they_are(name, request):
+def test_figures_are_drawn_from_their_file_and_say_what_they_are(name, request, redrawn):
     study = request.getfixturevalue(name)
-    assert study.figures and set(study.figures) == set(study.captions)
-    for figure in study.figures.values():
-        figure.draw_without_rendering()
+    figures = redrawn(study)
+    assert figures and set(figures) == set(study.captions)
+    for figure in figures.values():
         assert all(axis.has_data() for axis in figure.axes)
         assert figure.legends and figure.axes[-1].get_title() + figure.axes[-1].get_xlabel()
         units = [axis.get_xlabel() + axis.get_ylabel() for axis in figure.axes]

@@ -44,6 +44,10 @@ def test_without_coupling_goals_are_reached_and_bands_are_not_kept(rows):
                 assert row["end_points_mean_m"] < 1e-3, case
 
 
+def test_figures_are_drawn_from_their_file(study, redrawn):
+    assert set(redrawn(study)) == {"overview", "examples"}
+
+
 def test_claims_follow_from_the_table(script, study, rows):
     assert study.claims[0].holds is True
     make_claims = LoadStudy(script).__globals__["make_claims"]

@@ -38,7 +38,7 @@ def test_tables(result):
     assert settled[-1] < 0.05 * settled[0]
 
 
-def test_what_overflows_leaves_the_figure(result):
+def test_what_overflows_leaves_the_figure(result, redrawn):
     columns = result.tables["curves"].columns
     assert columns["moving_published_lagged_m"][-1] != columns["moving_published_lagged_m"][-1]
-    assert set(result.figures) == {"hand_distance", "learning"}
+    assert set(redrawn(result)) == {"hand_distance", "learning"}

@@ -24,9 +24,9 @@ def test_none_of_the_sentences_holds(result):
     assert "200 of 200 random" in result.claims[3].measured
 
 
-def test_tables(result):
+def test_tables_and_figures(result, redrawn):
     crossed = result.tables["crossing"].columns["crossed_at_s"]
     assert crossed[0] < 0.05 and crossed[-1] == float("inf")
     turn = result.tables["turn"].columns
     assert turn["published_rad"][0] < 0.2 * turn["demonstrated_rad"][0] < turn["default_rad"][0]
-    assert set(result.figures) == {"facts", "growth"}
+    assert set(redrawn(result)) == {"facts", "growth"}

@@ -34,14 +34,14 @@ def quick(script, tmp_path_factory):
     return LoadStudy(script)(context(LoadScenario(script.scenario), folder, told)), folder, told
 
 
-def test_a_quick_run_judges_both_laws_and_keeps_every_row(quick):
+def test_a_quick_run_judges_both_laws_and_keeps_every_row(quick, redrawn):
     study, folder, told = quick
     rows = [json.loads(line) for line in (folder / "results.jsonl").read_text(encoding="utf-8").splitlines()]
     assert sorted(row["law"] for row in rows) == ["default", "none"]
     assert {row["law"]: row["verdict"] for row in rows} == {"default": "success", "none": "failure"}
     assert study.tables["laws"].columns["law"] == ["default", "none"]
     assert study.tables["tasks"].columns["verdict"] == ["success", "failure"]
-    assert set(study.figures) == set(study.captions) == {"success", "classes", "where", "accuracy"}
+    assert set(redrawn(study)) == set(study.captions) == {"success", "classes", "where", "accuracy"}
     # One task is too few for a share, and enough for what must never happen.
     assert [claim.holds for claim in study.claims[:6]] == [None, True, True, True, True, True]
     (file,) = (folder / "failures").iterdir()

@@ -48,6 +48,10 @@ def test_bands_are_kept_where_it_is_allowed_and_left_far_outside(study):
     np.testing.assert_array_equal(left > 0, ~(margin > 0.0))
 
 
+def test_the_figure_is_drawn_from_its_file(study, redrawn):
+    assert set(redrawn(study)) == {"regions"}
+
+
 def test_claims_follow_from_the_cells(parts):
     cell, make_claims = parts["Cell"], parts["make_claims"]
     gains = Gains(8.0, 20.0)

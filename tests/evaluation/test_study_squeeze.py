@@ -53,9 +53,9 @@ def test_a_quick_run_finds_the_friction_cone_at_rest_and_in_a_lift(quick):
     assert 1.0 < aside < 1.3
 
 
-def test_a_quick_run_judges_everything_and_draws_three_figures(quick):
+def test_a_quick_run_judges_everything_and_draws_three_figures(quick, redrawn):
     assert len(quick.claims) == 10 and all(claim.holds is not None for claim in quick.claims)
-    assert set(quick.figures) == set(quick.captions) == {"deformation", "least", "aside"}
+    assert set(redrawn(quick)) == set(quick.captions) == {"deformation", "least", "aside"}
     deformation = quick.tables["deformation"].columns
     np.testing.assert_allclose(deformation["deformation_m"], deformation["estimate_m"], rtol=0.02)
     np.testing.assert_allclose(deformation["mean_pressure_pa"], deformation["greatest_pressure_pa"], rtol=0.02)

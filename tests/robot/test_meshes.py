@@ -15,7 +15,8 @@ from drake_blfdmp.planning.scenario import ApplySetting, CheckScenario, Scenario
 from drake_blfdmp.robot import meshes
 from drake_blfdmp.robot.plant import AddDualPanda
 from drake_blfdmp.viewing.mesh_triangles import is_gltf_in_memory, mesh_triangles
-from drake_blfdmp.viewing.rendering import shape_corners
+from drake_blfdmp.viewing.planned_scene import shape_solid
+from drake_blfdmp.viewing.solids import solid_triangles
 
 REFUSAL = r"^scenario: simulation\.visuals is 'meshes', but {}; install the extra with [^\n]*\[visuals\][^\n]*$"
 
@@ -108,7 +109,7 @@ def test_each_mesh_fills_the_room_of_the_primitives_it_replaces(real):
         points = np.array([hull.vertex(v) for v in range(hull.num_vertices())])
         corners = []
         for part in drawn(other, primitives, other.GetBodyByName(f"panda_{link}", other_arms[0])):
-            local = shape_corners(primitives.GetShape(part)).reshape(-1, 3)
+            local = solid_triangles(shape_solid(primitives.GetShape(part), (1.0, 1.0, 1.0))).corners.reshape(-1, 3)
             corners.append((primitives.GetPoseInFrame(part) @ local.T).T)
         corners = np.concatenate(corners)
         # How far the mesh ends beyond the primitives; their round ends reach up to 30 mm into the next link.

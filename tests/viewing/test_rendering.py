@@ -6,9 +6,15 @@ from pydrake.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpac
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.viewing import rendering
+from drake_blfdmp.viewing.planned_scene import shape_solid
+from drake_blfdmp.viewing.solids import Solid, posed, solid_triangles
 
 N = rendering.AROUND
 FRONT = rendering.Camera(np.array([0.0, 5.0, 0.0]), np.zeros(3))  # Looks along -y: x is to the left.
+
+
+def corners_of(shape):
+    return solid_triangles(shape_solid(shape, (0.5, 0.5, 0.5))).corners
 
 
 def area(corners):
@@ -48,7 +54,7 @@ def test_area_and_volume_are_the_shapes(name, monkeypatch):
     short = []
     for around in (N, 2 * N, 8 * N):
         monkeypatch.setattr(rendering, "AROUND", around)
-        corners = rendering.shape_corners(shape)
+        corners = corners_of(shape)
         short.append(1.0 - np.array([area(corners), volume(corners)]) / expected)
     if name == "box":
         np.testing.assert_allclose(short, 0.0, atol=1e-12)
@@ -62,7 +68,7 @@ def test_area_and_volume_are_the_shapes(name, monkeypatch):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_shapes_are_closed_and_every_triangle_faces_outward(name):
-    corners = rendering.shape_corners(SHAPES[name][0])
+    corners = corners_of(SHAPES[name][0])
     np.testing.assert_allclose(rendering.normals(corners).sum(axis=0), 0.0, atol=1e-12)
     # All are convex and hold the origin.
     assert np.all(np.einsum("ti,ti->t", rendering.normals(corners), corners.mean(axis=1)) > 0)
@@ -77,14 +83,34 @@ def test_a_cylinder_is_exactly_the_prism_of_its_segments():
 
 def test_a_convex_shape_is_its_hull():
     tetrahedron = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    corners = rendering.shape_corners(Convex(points=tetrahedron.T, label="tetrahedron"))
+    corners = corners_of(Convex(points=tetrahedron.T, label="tetrahedron"))
     assert volume(corners) == pytest.approx(1 / 6)
     assert area(corners) == pytest.approx(1.5 + 0.5 * np.sqrt(3))
 
 
 def test_what_cannot_be_drawn_is_named():
     with pytest.raises(BlfDmpError, match="a HalfSpace cannot be drawn"):
-        rendering.shape_corners(HalfSpace())
+        corners_of(HalfSpace())
+
+
+@pytest.mark.parametrize("solid", [Solid("cone", (0.1, 0.2), (1, 1, 1)), Solid("box", (0.1, 0.2), (1, 1, 1))])
+def test_a_solid_of_no_kind_or_of_another_size_is_named(solid):
+    with pytest.raises(BlfDmpError, match=f"a {solid.kind} of size"):
+        solid_triangles(solid)
+
+
+def test_solids_stand_where_their_poses_are():
+    """A quarter turn about z, then up by 2 m and forward by 1 m; the other stays."""
+    turn = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 2.0]])
+    shapes = [
+        solid_triangles(Solid("box", (0.4, 0.2, 0.6), (1, 0, 0))),
+        solid_triangles(Solid("ball", (1.0,), (0, 0, 1))),
+    ]
+    whole = posed(shapes, np.array([turn, np.eye(3, 4)]))
+    box, ball = whole.corners[:12].reshape(-1, 3), whole.corners[12:]
+    np.testing.assert_allclose([box.min(axis=0), box.max(axis=0)], [[-0.1, 0.8, 1.7], [0.1, 1.2, 2.3]])
+    np.testing.assert_array_equal(ball, shapes[1].corners)
+    np.testing.assert_array_equal(whole.colours, np.repeat([[1, 0, 0], [0, 0, 1]], [12, len(ball)], axis=0))
 
 
 def test_the_camera_projects_as_by_hand():

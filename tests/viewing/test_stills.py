@@ -7,7 +7,9 @@ from pydrake.math import RigidTransform
 
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.viewing import stills, style
+from drake_blfdmp.viewing.planned_scene import PlannedScene
 from drake_blfdmp.viewing.rendering import capsule_corners
+from drake_blfdmp.viewing.solids import posed, solid_triangles
 
 POINTS = np.array(
     [[-0.2, 0, 1.4], [-0.3, 0.1, 1.2], [-0.15, 0.3, 1.1], [0.2, 0, 1.4], [0.3, 0.1, 1.2], [0.15, 0.3, 1.1]]
@@ -46,10 +48,11 @@ def test_a_link_outside_its_band_is_vermillion_and_thicker():
 
 
 def test_the_planned_scene_shows_every_shape_where_the_plant_has_it(default_plan):
-    scene = stills.PlannedScene(default_plan)
+    scene = PlannedScene(default_plan)
+    shapes = [solid_triangles(solid) for solid in scene.solids]
     pose = np.array([np.cos(0.2), 0.0, 0.0, np.sin(0.2), 0.1, 0.5, 0.9])
     q = np.asarray(default_plan.reach.start)
-    whole = scene.at(q, pose)
+    whole = posed(shapes, scene.at(q, pose))
     size = default_plan.box.size
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
     X_WB = rigid(pose)
@@ -59,7 +62,7 @@ def test_the_planned_scene_shows_every_shape_where_the_plant_has_it(default_plan
         assert np.linalg.norm(drawn - X_WB @ corner, axis=-1).min() < 1e-9
     # The pedestals stand on the floor, nothing lies below it, and moving a joint moves what is drawn.
     assert drawn[:, 2].min() == pytest.approx(0.0, abs=1e-9)
-    moved = scene.at(q + 0.1 * np.eye(14)[8], pose)
+    moved = posed(shapes, scene.at(q + 0.1 * np.eye(14)[8], pose))
     changed = np.abs(moved.corners - whole.corners).max(axis=(1, 2)) > 1e-6
     assert 0.1 < changed.mean() < 0.6
     assert np.all(whole.corners[changed].reshape(-1, 3)[:, 0] > -0.3)

@@ -49,7 +49,9 @@ def test_margins_of_bones_and_hands_are_counted_apart():
 
 def test_regions_show_shares_and_both_bounds():
     shares = {"k_2 = 2.5 k_1": np.array([[100.0, 50.0], [0.0, 0.4]]), "other": np.full((2, 2), np.nan)}
-    figure = sampling.regions(shares, (8.0, 32.0), (10.0, 1000.0), lambda family, total: (100.0, total))
+    fine = np.geomspace(8.0, 32.0, 200)
+    bounds = dict.fromkeys(shares, np.stack([np.full(200, 100.0), fine]))
+    figure = sampling.regions(shares, (8.0, 32.0), (10.0, 1000.0), fine, bounds)
     left, right, bar = figure.axes
     assert sorted(text.get_text() for text in left.texts) == ["0.4", "100", "50"]
     assert not right.texts
@@ -87,8 +89,11 @@ def test_examples_draw_goal_followers_and_distances():
 
 def test_swivel_angles_are_what_was_asked_plus_the_error(run_log):
     error, off = np.tile([0.1, -0.2], (len(run_log.t), 1)), np.tile([0.01, 0.02], (len(run_log.t), 1))
-    logs = {"swivel": run_log, "none": run_log}
-    figure = frankas.swivel_angles(logs, {"swivel": error, "none": 2 * error}, {"swivel": off, "none": off})
+    runs = {
+        name: frankas.Swivels(run_log.swivel_desired, factor * error, off)
+        for name, factor in (("swivel", 1), ("none", 2))
+    }
+    figure = frankas.swivel_angles(run_log.t, runs, run_log.events)
     for arm, (upper, lower) in enumerate(zip(figure.axes[:2], figure.axes[2:], strict=True)):
         right, none, asked = (np.asarray(line.get_ydata()) for line in upper.lines[:3])
         np.testing.assert_allclose(right - asked, np.rad2deg(error[:, arm]))

@@ -1,7 +1,5 @@
 """Drawings of the studies of the laws: what is drawn is what was handed over."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
@@ -15,20 +13,12 @@ T = np.linspace(0.0, 4.0, 401)
 BANDS = make_bands(0.22, 0.28, ConstantDistance(0.3))
 
 
-@dataclass(frozen=True)
-class Trial:
-    t: np.ndarray
-    x: np.ndarray
-    error: np.ndarray
-    half_width: float = 0.01
-
-
 def drawn(axis, name):
     return next(line for line in axis.lines if line.get_label() == LAW_LOOKS[name]["label"])
 
 
 def hand_distances(curves):
-    cases = {"one": BANDS, "two": BANDS}
+    cases = dict.fromkeys(("one", "two"), laws.HandsBand.of(BANDS, T))
     learned = dict.fromkeys(cases, np.full_like(T, 0.3))
     return laws.hand_distances(
         T, np.full_like(T, 0.45), cases, dict.fromkeys(cases, curves), learned, start=1.0, rate=30.0
@@ -88,7 +78,7 @@ def test_learning_has_two_lines_a_case():
 
 def test_facts_end_just_after_the_lagged_law_has_left():
     t = 0.001 * np.arange(30)
-    run = Trial(t, -0.3 + 0.0 * t, np.where(t < 0.0195, 0.002, 0.02))
+    run = one_axis.Trial(t, -0.3 + 0.0 * t, np.where(t < 0.0195, 0.002, 0.02), 0.01)
     angles = {name: np.radians([10.0, 20.0, 30.0, 40.0, 50.0]) for name in ("demonstrated", "default", "published")}
     share = np.linspace(-1.0, 1.0, 5)
     rates = {"k_2 = 0": 0.0 * share, "k_2 = 1": -(share**2)}

@@ -11,7 +11,8 @@ FORCE = np.array([10.0, 50.0, 100.0])
 
 def test_deformation_is_in_millimetres_markers_beside_lines():
     measured = {1e6: 1e-6 * FORCE, 1e5: 1e-5 * FORCE}
-    (axis,) = squeeze.deformation(FORCE, measured, lambda force, modulus: force / modulus, 55.0).axes
+    fine = np.geomspace(10.0, 100.0, 100)
+    (axis,) = squeeze.deformation(FORCE, measured, fine, {modulus: fine / modulus for modulus in measured}, 55.0).axes
     markers = [line for line in axis.lines if str(line.get_marker()) in "osD" and len(line.get_xdata()) == 3]
     np.testing.assert_allclose([line.get_ydata() for line in markers], 1e3 * np.array(list(measured.values())))
     lines = [line for line in axis.lines if len(line.get_xdata()) == 100]
