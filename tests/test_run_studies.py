@@ -94,18 +94,24 @@ def test_figures_are_drawn_again_from_the_file_alone(checkout, command_line, cap
     script = checkout / "studies" / "sampling.py"
     script.unlink()
     file = Path("there") / "sampling" / "study.mcap"
-    assert command_line.main(["figures", str(file), "--out", "again"]) == 0
-    assert "2 files: again" in capsys.readouterr().out
-    for name in ("times.png", "times.svg"):
-        assert (tmp_path / "again" / name).read_bytes() == (file.parent / name).read_bytes()
+    before = file.read_bytes()
+    for arguments, folder in (([], file.parent / "study-figures"), (["--out", "again"], Path("again"))):
+        capsys.readouterr()
+        assert command_line.main(["figures", str(file), *arguments]) == 0
+        assert f": {folder}\n" in capsys.readouterr().out
+        assert {path.name for path in folder.iterdir()} == {"times.png", "times.svg"}
+        for path in folder.iterdir():
+            assert path.read_bytes() == (file.parent / path.name).read_bytes()
     for arguments, words in (
-        ([str(file), "--out", "again"], "nothing is overwritten"),
-        (["nowhere.mcap"], "nowhere.mcap: cannot be read"),
-        ([str(file.parent / "scenario.yaml")], "not an MCAP file"),
+        ([str(file), "--out", "again"], "again: exists already"),
+        ([str(file)], "study-figures: exists already"),
+        (["nowhere.mcap"], "nowhere.mcap: "),
+        ([str(file.parent / "scenario.yaml")], "scenario.yaml: not an MCAP file"),
     ):
         assert command_line.main(["figures", *arguments]) == 2
         out, err = capsys.readouterr()
         assert out == "" and err.startswith("run.py: ") and words in err and err.count("\n") == 1
+    assert file.read_bytes() == before
     assert not (tmp_path / "runs").exists()
 
 
