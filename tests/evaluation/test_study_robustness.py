@@ -59,13 +59,13 @@ def test_what_is_there_is_not_run_again_and_a_refusal_is_looked_at(script, quick
     assert {law: row["key"] for law, row in before.items()} == {law: trial.key for law, trial in trials.items()}
     append_row(path, before["none"])
     append_row(path, before["default"] | {"verdict": "refused", "classes": ["reach"], "measured": None})
-    checked = {"index": 0, "reason": "reach", "right": True, "evidence": "no posture at all"}
+    checked = {"task": "robustness-0-0000-default", "reason": "reach", "right": True, "evidence": "no posture at all"}
     append_row(path, {"key": f"{trials['default'].key}-reach-refusal"} | checked)
     settings = replace(scenario.robustness, results=str(path), refusals=5)
     size = path.stat().st_size
     study = LoadStudy(script)(context(replace(scenario, robustness=settings), tmp_path))
     assert path.stat().st_size == size
-    assert study.tables["refusals"].rows() == [(0, "reach", True, "no posture at all")]
+    assert study.tables["refusals"].rows() == [("robustness-0-0000-default", "reach", True, "no posture at all")]
     refused = study.claims[6]
     assert "refusals" in refused.paper and refused.holds is None and "1 of 1" in refused.measured
     assert study.tables["laws"].columns["feasible"] == [0, 0]
