@@ -1,4 +1,4 @@
-"""Products of (..., 3) arrays that run a thousand times a second, so NumPy's overhead on single vectors counts.
+"""Vectors: products of (..., 3) arrays, which run a thousand times a second, so NumPy's overhead on single vectors counts.
 
 Both take float, AutoDiffXd or Expression entries.
 """
@@ -17,3 +17,10 @@ def dot(a, b):
 def cross(a, b):
     """The vector products (..., 3); ten times faster than NumPy's own on single vectors."""
     return a[..., _NEXT] * b[..., _AFTER] - a[..., _AFTER] * b[..., _NEXT]
+
+
+def towards(value, target, largest: float):
+    """A vector (...) on its straight way to a target (...), by a step of at most `largest`."""
+    step = np.asarray(target) - value
+    size = float(np.linalg.norm(step))
+    return value + step if size <= largest else value + largest / size * step

@@ -10,6 +10,15 @@ from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import LeafSystem
 
 
+def ForceAtOrigin(body: RigidBody, force: Sequence[float] | np.ndarray) -> ExternallyAppliedSpatialForce:
+    """A force (3,) in W, N, that acts at a body's origin, for the plant's `applied_spatial_force`."""
+    push = ExternallyAppliedSpatialForce()
+    push.body_index = body.index()
+    push.p_BoBq_B = np.zeros(3)
+    push.F_Bq_W = SpatialForce(tau=np.zeros(3), f=np.array(force, dtype=float))
+    return push
+
+
 class TimedPush(LeafSystem):
     """A constant force at a body's origin from one time to another, nothing before and after.
 
@@ -34,11 +43,7 @@ class TimedPush(LeafSystem):
             duration_s: how long it lasts, s.
         """
         super().__init__()
-        push = ExternallyAppliedSpatialForce()
-        push.body_index = body.index()
-        push.p_BoBq_B = np.zeros(3)
-        push.F_Bq_W = SpatialForce(tau=np.zeros(3), f=np.array(force, dtype=float))
-        self._push, self._start, self._end = push, start_s, start_s + duration_s
+        self._push, self._start, self._end = ForceAtOrigin(body, force), start_s, start_s + duration_s
         self.DeclareAbstractOutputPort(
             "spatial_forces",
             lambda: AbstractValue.Make([ExternallyAppliedSpatialForce()]),
