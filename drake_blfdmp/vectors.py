@@ -1,6 +1,6 @@
-"""Vectors: products of (..., 3) arrays, which run a thousand times a second, so NumPy's overhead on single vectors counts.
+"""Products of (..., 3) arrays that run a thousand times a second, so NumPy's overhead on single vectors counts.
 
-Both take float, AutoDiffXd or Expression entries.
+`dot` and `cross` take float, AutoDiffXd or Expression entries.
 """
 
 import numpy as np

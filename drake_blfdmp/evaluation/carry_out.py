@@ -14,6 +14,7 @@ from pydrake.systems.primitives import AffineSystem
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.last_states import LastStatesKept
+from drake_blfdmp.evaluation.live_session import LiveSession
 from drake_blfdmp.evaluation.run_logger import PlannedEvents
 from drake_blfdmp.evaluation.simulation import Simulate
 from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
@@ -96,7 +97,7 @@ def CarryOut(
 
     Args:
         folder: must not exist or be empty; by default a new one below `runs/`.
-        meshcat: a running viewer to show the simulation in.
+        meshcat: a running viewer to show the simulation in, with controls to take part in it (`live_session`).
         progress: called with what is being done and the share of it done.
 
     Raises:
@@ -110,17 +111,22 @@ def CarryOut(
     (folder / "scenario.yaml").write_text(DumpScenario(scenario), encoding="utf-8")
     plan.task.skill.save(folder / "skill.json")
     viewer = meshcat or start_meshcat(port=0)
+    session = None if meshcat is None else LiveSession(meshcat, progress)
     with ExitStack() as stack:
         recorders: list[McapRecorder] = []
 
         def add(builder: DiagramBuilder, parts: HoldAndPlace) -> None:
             recorders.append(stack.enter_context(AddRecorder(builder, parts, folder / "run.mcap")))
             AddViewer(builder, parts, viewer)
+            if session is not None:
+                session.AddToBuilder(builder, parts, recorders[0].Event)
             viewer.StartRecording(frames_per_second=SceneRate(plan), set_visualizations_while_recording=True)
 
         with LastStatesKept(recorders, {"scenario.yaml": DumpScenario(scenario)}):
-            done = Simulate(plan, add, progress)
+            done = Simulate(plan, add, progress, session)
         viewer.StopRecording()
+        if session is not None:
+            plan = session.Finish()
         source = "synthetic" if plan.source.recording.synthetic else "recorded"
         title = f"{scenario.name}: law {scenario.law}, {source} person"
         legend = {**LEGEND, **BAND_LEGEND, **PERSON_LEGEND}

@@ -31,7 +31,7 @@ class Simulated:
     Attributes:
         log: at the scenario's recording rate.
         margins: (M, 5) the links' margins at every step of the skill.
-        simulated_s, wall_s: how long it ran, in both clocks; the measuring afterwards does not count.
+        simulated_s, wall_s: how long it ran, in both clocks; pauses and the measuring afterwards do not count.
     """
 
     log: RunLog
@@ -44,12 +44,15 @@ def Simulate(
     plan: Plan,
     add: Callable[[DiagramBuilder, HoldAndPlace], None] = lambda builder, parts: None,
     progress: Progress = lambda what, share: None,
+    between: Callable[[Simulator], float] | None = None,
 ) -> Simulated:
     """Build the plan's diagram, run it to its end and measure.
 
     Args:
         add: adds what else shall listen, a recorder or a viewer, before the diagram is built.
         progress: called with what is being done and the share of it done.
+        between: called before every slice of the simulation, which waits for it; returns for how long it stood still on
+            purpose, s of wall time.
 
     Raises:
         ScenarioError: the gains are not safe at the scenario's time step.
@@ -65,15 +68,16 @@ def Simulate(
     SetInitialState(parts, diagram, context)
     guard = FiniteGuard(simulator)
     end = plan.duration_s
-    started = time.perf_counter()
+    started, stood_still = time.perf_counter(), 0.0
     simulator.Initialize()
     for t in (*np.arange(SLICE_S, end, SLICE_S), end, *np.arange(end + SLICE_S, LONGEST * end, SLICE_S)):
+        stood_still += 0.0 if between is None else between(simulator)
         guard.AdvanceTo(float(t))
         clock = SkillClock(parts, context)
         progress("simulating", min(clock / end, 1.0))
         if t >= end and clock >= end - 1e-6:
             break
-    wall = time.perf_counter() - started
+    wall = time.perf_counter() - started - stood_still
     progress("simulating", 1.0)
     progress("measuring", 0.0)
     log = MakeRunLog(plan, parts.limits, logger, context)
