@@ -37,7 +37,11 @@ def parse(arguments: list[str], description: str) -> argparse.Namespace:
         metavar="FILE",
         help="only draw the Drake diagram that would be run: .svg, .png, .pdf (needs graphviz) or .dot",
     )
-    parser.add_argument("--meshcat", action="store_true", help="show the simulation live, on this machine only")
+    parser.add_argument(
+        "--meshcat",
+        action="store_true",
+        help="show the simulation live, on this machine only; controls move the goal, push, pause",
+    )
     parser.add_argument("--seed", type=int, help="seed of everything random")
     add_recording_options(parser)
     return parser.parse_args(arguments)
@@ -88,7 +92,7 @@ def main(arguments: list[str], root: Path, description: str = "") -> int:
     scenario = LoadScenario(options.scenario or root / DEFAULT_SCENARIO, settings(options))
     meshcat = start_meshcat() if options.meshcat else None
     if meshcat is not None:
-        print(f"live view: {meshcat.web_url()}", file=sys.stderr)
+        print(f"live view: {meshcat.web_url()} (Open Controls: goal, speed, pushes, pause)", file=sys.stderr)
     bar = ProgressBar()
     try:
         result = CarryOut(scenario, options.out, meshcat=meshcat, progress=bar)

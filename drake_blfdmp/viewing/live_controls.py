@@ -3,6 +3,7 @@
 # pyright: reportArgumentType=false, reportCallIssue=false
 # (Drake's own type stubs state array types that no array has.)
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -16,9 +17,11 @@ PAUSE, CONTINUE = "Pause", "Continue"
 KEY = "KeyP"
 """The key that clicks it, as browsers call it."""
 
-SPEED = "speed, x real time (0: all it can)"
+SPEED = "speed (0: full)"
+"""The label of the slider for simulated time a second of wall time; a longer one would be cut off."""
+
 SPEEDS = (0.0, 2.0, 0.5)
-"""Lowest, highest and step of the slider; 0 waits for nothing."""
+"""Lowest, highest and step of that slider; 0 waits for nothing."""
 
 _PLACE = "/live/place"
 _PLACE_COLOR, _PLACE_THICKNESS = Rgba(0.0, 0.62, 0.45, 0.65), 0.002  # m
@@ -47,7 +50,8 @@ def goal_slider(axis: str) -> str:
 class LiveControls:
     """The controls of one run; all of them are read, none calls back.
 
-    Each slider of the goal shows a coordinate in W, rounded to millimetres; what counts is how far it was moved.
+    Each slider of the goal shows a coordinate in W; until it is moved, that of the multiple of its step nearest to the
+    planned one.
     """
 
     def __init__(
@@ -63,19 +67,22 @@ class LiveControls:
 
         Args:
             meshcat: the viewer.
-            goal: axis of W -> the planned coordinate, m, and how far it may be lowered (<= 0) and raised (>= 0), m,
-                multiples of `step`. An axis that may not be moved gets no slider.
+            goal: axis of W -> the planned coordinate, m, and how far it may be lowered (<= 0) and raised (>= 0), m. An
+                axis that may be moved by less than a step gets no slider.
             step: of the goal's sliders, m.
             pushes: labels of the buttons that push.
             place: marked on its table, where the goal's x and y are moved to.
         """
         self._meshcat, self._pushes, self._place = meshcat, tuple(pushes), place
-        self._planned: dict[str, float] = {}
+        self._planned: dict[str, tuple[float, float]] = {}  # In the plan, and as the slider shows it.
         for axis, (value, lowest, highest) in goal.items():
-            if highest > lowest:
-                middle = round(value, 3)
-                limits = middle + lowest, middle + highest
-                self._planned[axis] = meshcat.AddSlider(goal_slider(axis), *limits, step, middle)
+            # The browser's slider knows the multiples of its step alone.
+            near = round(value / step)
+            least = min(near, math.ceil((value + lowest) / step))
+            most = max(near, math.floor((value + highest) / step))
+            if most > least:
+                shown = meshcat.AddSlider(goal_slider(axis), step * least, step * most, step, step * near)
+                self._planned[axis] = value, shown
         self._offset = np.zeros(3)
         meshcat.AddSlider(SPEED, *SPEEDS, 0.0)
         for label in self._pushes:
@@ -94,9 +101,9 @@ class LiveControls:
 
     def goal_offset(self) -> np.ndarray:
         """How far the goal is wanted from where it was planned: (3,), m along W's axes; moves the mark with it."""
-        for axis, planned in self._planned.items():
-            moved = self._meshcat.GetSliderValue(goal_slider(axis)) - planned
-            self._offset["xyz".index(axis)] = round(moved, 6)
+        for axis, (planned, shown) in self._planned.items():
+            value = self._meshcat.GetSliderValue(goal_slider(axis))
+            self._offset["xyz".index(axis)] = 0.0 if value == shown else value - planned
         if self._planned:
             self._show_place()
         return self._offset.copy()

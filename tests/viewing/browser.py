@@ -1,7 +1,11 @@
 """A page in a headless browser: its pixels at one time of its recording, and the errors it reports."""
 
+import base64
+import json
+import os
 import shutil
 import subprocess
+import time
 
 import numpy as np
 import pytest
@@ -46,3 +50,79 @@ def coloured(pixels, red, green, blue):
     high = np.where([red, green, blue], pixels, 1.0).min(axis=-1)
     low = np.where([red, green, blue], 0.0, pixels).max(axis=-1)
     return int(np.sum(high - low > 0.25))
+
+
+class LivePage:
+    """A page of a server in a headless browser that stays open, driven through the browser's debugging pipe.
+
+    Use it as a context manager; `evaluate` runs JavaScript in the page and hands back what it gives, as JSON allows.
+    """
+
+    def __init__(self, url, directory, *, size=(900, 600)):
+        self._url, self._directory, self._size, self._count = url, directory, size, 0
+
+    def __enter__(self):
+        to_browser, from_here = os.pipe()
+        to_here, from_browser = os.pipe()
+        switches = "headless no-sandbox use-angle=swiftshader enable-unsafe-swiftshader no-first-run disable-quic "
+        switches += "disable-background-networking disable-component-update disable-sync hide-scrollbars "
+        switches += f"remote-debugging-pipe window-size={self._size[0]},{self._size[1]}"
+        command = [BROWSER, *(f"--{switch}" for switch in switches.split())]
+        command += [f"--user-data-dir={self._directory / 'live-profile'}", "about:blank"]
+        # Chromium listens at file descriptor 3 and answers at 4.
+        joined = ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", *command]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self._process = subprocess.Popen(joined, pass_fds=(to_browser, from_browser), **quiet)
+        os.close(to_browser), os.close(from_browser)
+        self._to, self._from = os.fdopen(from_here, "wb"), os.fdopen(to_here, "rb")
+        self._rest, self._session = b"", {}
+        target = self._ask("Target.createTarget", url=self._url)["targetId"]
+        self._session = {
+            "sessionId": self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        }
+        return self
+
+    def __exit__(self, *_):
+        self._session = {}
+        try:
+            self._ask("Browser.close")
+        finally:
+            self._process.wait(timeout=30)
+            self._to.close(), self._from.close()
+
+    def _ask(self, method, **parameters):
+        self._count += 1
+        message = {"id": self._count, "method": method, "params": parameters, **self._session}
+        self._to.write(json.dumps(message).encode() + b"\0")
+        self._to.flush()
+        while True:
+            while b"\0" not in self._rest:
+                read = self._from.read1(1 << 20)
+                assert read, "the browser has gone"
+                self._rest += read
+            line, self._rest = self._rest.split(b"\0", 1)
+            answer = json.loads(line)
+            if answer.get("id") == self._count:
+                assert "error" not in answer, answer
+                return answer["result"]
+
+    def evaluate(self, script):
+        """What the script, an expression or a promise, comes to."""
+        answer = self._ask("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in answer, answer
+        return answer["result"].get("value")
+
+    def wait_for(self, script, seconds=20.0):
+        """Wait until an expression is true in the page; returns what it comes to."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if found := self.evaluate(script):
+                return found
+            time.sleep(0.05)
+        raise AssertionError(f"never true in the page: {script}")
+
+    def screenshot(self, path):
+        """Write a PNG of the page and return its pixels (H, W, 3)."""
+        data = self._ask("Page.captureScreenshot", format="png")["data"]
+        path.write_bytes(base64.b64decode(data))
+        return imread(path)[..., :3]
