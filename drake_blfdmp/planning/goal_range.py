@@ -63,7 +63,8 @@ def GoalRange(plan: Plan) -> np.ndarray:
     table = plan.tables[-1]
     middle, half = np.array(table.top_center[:2]), 0.5 * np.array(table.size) - ON_TABLE
     edges = np.stack([middle - half, middle + half], axis=1) - plan.goal[4:6, None]
-    steps = np.trunc(np.clip(edges, [[-FARTHEST, 0.0]] * 2, [[0.0, FARTHEST]] * 2) / GOAL_STEP).astype(int)
+    edges = np.clip(edges, [[-FARTHEST, 0.0]] * 2, [[0.0, FARTHEST]] * 2)
+    steps = np.trunc(np.round(edges / GOAL_STEP, 6)).astype(int)
     fits = _Fit(plan, plan.box, plan.goal)
     corners = [np.array(signs) for signs in itertools.product((-1, 0, 1), repeat=2) if any(signs)]
     while steps.any():

@@ -73,7 +73,8 @@ class LiveControls:
             pushes: labels of the buttons that push.
             place: marked on its table, where the goal's x and y are moved to.
         """
-        self._meshcat, self._pushes, self._place = meshcat, tuple(pushes), place
+        self._meshcat, self._place = meshcat, place
+        self._clicks = dict.fromkeys(pushes, 0)
         self._planned: dict[str, tuple[float, float]] = {}  # In the plan, and as the slider shows it.
         for axis, (value, lowest, highest) in goal.items():
             # The browser's slider knows the multiples of its step alone.
@@ -85,7 +86,7 @@ class LiveControls:
                 self._planned[axis] = value, shown
         self._offset = np.zeros(3)
         meshcat.AddSlider(SPEED, *SPEEDS, 0.0)
-        for label in self._pushes:
+        for label in self._clicks:
             meshcat.AddButton(label)
         # The last one, so that the others stay where they are when its label changes.
         meshcat.AddButton(PAUSE, KEY)
@@ -118,9 +119,9 @@ class LiveControls:
 
     def pushed(self) -> list[str]:
         """The labels of the buttons clicked since this was asked last."""
-        clicked = [label for label in self._pushes if self._meshcat.GetButtonClicks(label)]
-        for label in clicked:
-            self._meshcat.AddButton(label)  # Adding it again sets its clicks to 0.
+        clicks = {label: self._meshcat.GetButtonClicks(label) for label in self._clicks}
+        clicked = [label for label, count in clicks.items() if count > self._clicks[label]]
+        self._clicks = clicks
         return clicked
 
     def paused(self) -> bool:

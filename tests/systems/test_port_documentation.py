@@ -18,6 +18,8 @@ from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.skill.orientation import OrientationSkill
+from drake_blfdmp.systems.live_goal import LiveGoal
+from drake_blfdmp.systems.live_push import LivePush
 from drake_blfdmp.systems.orientation_system import OrientationSystem
 from drake_blfdmp.systems.point_coupler import PointCoupler
 from drake_blfdmp.systems.timed_push import TimedPush
@@ -96,6 +98,8 @@ def systems(default_plan, tmp_path_factory):
     found["OrientationSystem"] = OrientationSystem(skill=turning, time_step=0.004)
     push = {"force": [1.0, 0.0, 0.0], "start_s": 0.0, "duration_s": 1.0}
     found["TimedPush"] = TimedPush(body=parts.box, **push)
+    found["LivePush"] = LivePush(body=parts.box)
+    found["LiveGoal"] = LiveGoal(scale=1.0, window=(0.0, 1.0), rate=0.1, tau=1.0, time_step=0.004)
     found["keep"] = (diagram, parts)
     return found
 

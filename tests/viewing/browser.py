@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -52,6 +53,13 @@ def coloured(pixels, red, green, blue):
     return int(np.sum(high - low > 0.25))
 
 
+# Chromium listens at file descriptor 3 and answers at 4.
+_JOINED = """import fcntl, os, sys
+to_browser, from_browser = (fcntl.fcntl(int(fd), fcntl.F_DUPFD, 10) for fd in sys.argv[1:3])
+os.dup2(to_browser, 3), os.dup2(from_browser, 4)
+os.execv(sys.argv[3], sys.argv[3:])"""
+
+
 class LivePage:
     """A page of a server in a headless browser that stays open, driven through the browser's debugging pipe.
 
@@ -69,17 +77,14 @@ class LivePage:
         switches += f"remote-debugging-pipe window-size={self._size[0]},{self._size[1]}"
         command = [BROWSER, *(f"--{switch}" for switch in switches.split())]
         command += [f"--user-data-dir={self._directory / 'live-profile'}", "about:blank"]
-        # Chromium listens at file descriptor 3 and answers at 4.
-        joined = ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", *command]
+        joined = [sys.executable, "-c", _JOINED, str(to_browser), str(from_browser), *command]
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self._process = subprocess.Popen(joined, pass_fds=(to_browser, from_browser), **quiet)
         os.close(to_browser), os.close(from_browser)
         self._to, self._from = os.fdopen(from_here, "wb"), os.fdopen(to_here, "rb")
         self._rest, self._session = b"", {}
         target = self._ask("Target.createTarget", url=self._url)["targetId"]
-        self._session = {
-            "sessionId": self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        }
+        self._session = {"sessionId": self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]}
         return self
 
     def __exit__(self, *_):
