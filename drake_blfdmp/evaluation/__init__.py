@@ -5,6 +5,7 @@ One run:
 - `run_logger`: what is logged while the diagram runs, and the `RunLog` made of it.
 - `metrics`: the numbers of `summary.json`, pure functions of a `RunLog` and the skill's rollouts. `summary`: the file.
 - `success`: the stated thresholds, and a sentence for each that is missed.
+- `live_session`: what is done to a run in the live view.
 - `carry_out`: one whole run and its output folder. `console`: the bar of its progress.
 
 Studies:

@@ -8,4 +8,5 @@
 - `squeeze`: the depth for a force.
 - `planned`: what a plan is.
 - `plan`: all of it in order, `MakePlan`; `free_plan`: the same for a motion without a box.
+- `goal_range`: how far, and when, a plan's goal may be moved while it is carried out.
 """
