@@ -9,6 +9,7 @@ from io import BytesIO
 from pathlib import Path
 
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Header, Metadata, Schema
 
 from drake_blfdmp.recording.mcap_file import RecorderError
@@ -154,8 +155,8 @@ class McapStream:
                 raise
             except KeyError as error:
                 raise mcap.BrokenMcapError(f"there is no channel or schema {error}", outer.start) from None
-            except (ValueError, IndexError, struct.error) as error:
-                raise mcap.BrokenMcapError(str(error), outer.start) from None
+            except (ValueError, IndexError, struct.error, McapError) as error:
+                raise mcap.BrokenMcapError(str(error) or type(error).__name__, outer.start) from None
             if outer.start > told * size + size / 100:
                 told = outer.start / size
                 self._progress(told)
