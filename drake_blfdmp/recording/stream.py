@@ -83,12 +83,16 @@ class McapStream:
             progress: called with the share that has been read, 0 to 1, now and then.
         """
         self.path = Path(filename)
+        self._only, self._recover, self._progress = topics, recover, progress
+        self._begin()
+
+    def _begin(self) -> None:
+        """Forgets what was read."""
         self.topics: dict[str, Topic] = {}
         self.metadata: dict[str, dict[str, str]] = {}
         self.attachments: dict[str, bytes] = {}
         self.latest_ns = 0
         self.damage = ""
-        self._only, self._recover, self._progress = topics, recover, progress
 
     def __iter__(self) -> Iterator[Sample]:
         """The samples.
@@ -117,6 +121,7 @@ class McapStream:
             RecorderError: there is no such file; it is no MCAP file, or of another profile than ROS 2, or has no
                 message; a topic's time goes backwards; or the file is truncated or damaged and is not to be recovered.
         """
+        self._begin()
         try:
             size = self.path.stat().st_size
             with self.path.open("rb") as stream:
