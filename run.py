@@ -5,6 +5,7 @@
     python run.py --scenario FILE --set box.mass=2  any scenario, with changes
     python run.py inspect FILE                      what a recording holds, and whether a skill can be learned from it
     python run.py convert IN OUT                    any readable recording as CSV or MCAP
+    python run.py recover FILE                      a complete recording of a run from one that was cut off
     python run.py studies                           the paper's figures and claims: what there is; --help tells more
     python run.py figures FILE.mcap                 the figures of a study again, from its file alone
 
@@ -16,7 +17,7 @@ from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
-COMMANDS = ("inspect", "convert", "studies", "figures")
+COMMANDS = ("inspect", "convert", "recover", "studies")
 
 
 def main(arguments: list[str] | None = None) -> int:

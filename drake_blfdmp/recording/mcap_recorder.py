@@ -14,7 +14,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiagramBuilder, InputPort, LeafSystem
 
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
+from drake_blfdmp.recording.message_block import MessageBlock
 from drake_blfdmp.recording.plant_names import plant_names
+from drake_blfdmp.recording.pose_rows import PoseRows
 from drake_blfdmp.ros2 import messages as ros2_messages
 from drake_blfdmp.ros2.cdr import CdrTemplate
 
@@ -26,14 +28,6 @@ def _check_unique(what: str, names: Sequence[str]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice or "" in names:
         raise RecorderError(f"recorder: {what} name '{twice[0] if twice else ''}' is empty or given twice; rename it")
-
-
-def _poses_to_array(poses: Any, indices: Sequence[int]) -> np.ndarray:
-    """(N, 7) x y z (m) qx qy qz qw, the order of geometry_msgs/Transform, of those of a list of RigidTransform."""
-    wxyz = np.array([poses[i].rotation().ToQuaternion().wxyz() for i in indices])
-    # Rounded to single precision (60 nm at 1 m), far below what a pose is read for, because it halves what the poses
-    # take after compression. Everything else is recorded exactly.
-    return np.hstack([[poses[i].translation() for i in indices], wxyz[:, [1, 2, 3, 0]]]).astype(np.float32)
 
 
 class McapRecorder(LeafSystem):
@@ -62,7 +56,7 @@ class McapRecorder(LeafSystem):
     | /events | rcl_interfaces/msg/Log | the event's name as `msg` |
 
     Every time is simulated time, as log time, as publish time and in the headers, so equal runs give equal files, byte
-    for byte (see McapFile, which also says what a killed process loses).
+    for byte. What a killed process leaves is put together by `recover` (see McapFile).
 
     Vectors travel as JointState because it is the one standard message in which every value has a name: PlotJuggler
     shows `/margin/hands/position`, Rerun draws a curve called `hands`, Foxglove and Lichtblick plot
@@ -90,7 +84,7 @@ class McapRecorder(LeafSystem):
         robot_description: str = "",
         metadata: Mapping[str, object] | None = None,
         world_frame: str = "world",
-        chunk_duration: float = 0.25,
+        chunk_duration: float = 1.0,
     ):
         """Creates the file and declares the ports.
 
@@ -104,7 +98,7 @@ class McapRecorder(LeafSystem):
             metadata: what is to be known of the run (seed, versions, the scenario's hash, synthetic or real): the
                 metadata record "run".
             world_frame: name of frame W.
-            chunk_duration: simulated time in a chunk, which is what a killed process may lose, s.
+            chunk_duration: simulated time in a chunk, s.
 
         Raises:
             RecorderError: the file exists or cannot be created, or a name or number is unusable.
@@ -133,9 +127,13 @@ class McapRecorder(LeafSystem):
             self._body_poses_input = self.DeclareAbstractInputPort("body_poses", AbstractValue.Make([RigidTransform()]))
         self._vector_inputs: list[tuple[int, CdrTemplate, InputPort]] = []
         self._wrench_inputs: list[tuple[int, CdrTemplate, InputPort]] = []
-        self._joint_states: CdrTemplate | None = None
-        self._effort = False
-        self._tf = ros2_messages.tf_template(world_frame, list(self._bodies))
+        # Of a sample: its messages, its numbers, and which port each part of them comes from.
+        self._block = MessageBlock([])
+        self._values = np.empty(0)
+        self._parts: list[tuple[InputPort, np.ndarray]] = []
+        self._states = self._poses = np.empty(0)
+        self._moving = list(self._bodies.values())
+        self._pose_rows = PoseRows(len(self._moving))
         self._last_ns: int | None = None
         self.DeclarePeriodicPublishEvent(1.0 / rate, 0.0, self._publish)
 
@@ -163,7 +161,7 @@ class McapRecorder(LeafSystem):
         rate: float = 100.0,
         robot_description: str = "",
         metadata: Mapping[str, object] | None = None,
-        chunk_duration: float = 0.25,
+        chunk_duration: float = 1.0,
     ) -> "McapRecorder":
         """Adds a recorder of a finalized plant to the builder, connects it, and returns it.
 
@@ -301,15 +299,16 @@ class McapRecorder(LeafSystem):
         for port in required:
             if not port.HasValue(context):
                 raise RecorderError(f"recorder: input port '{port.get_name()}' is not connected; connect it")
-        # JointState wants an effort for every joint or for none.
-        self._effort = all(port.HasValue(context) for port in self._effort_inputs.values())
-        self._joint_states = ros2_messages.joint_state_template(self._joint_names, effort=self._effort)
+        self._lay_out(context)
         if self._robot_description:
             self._file.write(self._description_channel, t_ns, ros2_messages.string_message(self._robot_description))
         if self._static_bodies and self._body_poses_input is not None:
             template = ros2_messages.tf_template(self._world_frame, list(self._static_bodies))
-            poses = _poses_to_array(self._body_poses_input.Eval(context), list(self._static_bodies.values()))
-            self._file.write(self._tf_static_channel, t_ns, template.encode(t_ns, poses))
+            poses: Any = self._body_poses_input.Eval(context)
+            rows = PoseRows(len(self._static_bodies)).fill(
+                [poses[index].GetAsMatrix34() for index in self._static_bodies.values()]
+            )
+            self._file.write(self._tf_static_channel, t_ns, template.encode(t_ns, rows))
 
     def _publish(self, context: Context) -> None:
         """Writes one sample of everything."""
@@ -325,20 +324,53 @@ class McapRecorder(LeafSystem):
                 "use a new recorder, and a new file, for each run"
             )
         self._last_ns = t_ns
-        if self._joint_states is not None and self._state_inputs:
-            states: list[Any] = [port.Eval(context) for port in self._state_inputs.values()]
-            if not all(np.isfinite(state).all() for state in states):
-                return
-            values = [state[: len(state) // 2] for state in states] + [state[len(state) // 2 :] for state in states]
-            if self._effort:
-                values += [port.Eval(context) for port in self._effort_inputs.values()]
-            file.write(self._joint_states_channel, t_ns, self._joint_states.encode(t_ns, np.concatenate(values)))
-        if self._bodies and self._body_poses_input is not None:
-            poses = _poses_to_array(self._body_poses_input.Eval(context), list(self._bodies.values()))
-            file.write(self._tf_channel, t_ns, self._tf.encode(t_ns, poses))
+        for port, part in self._parts:
+            part[:] = port.Eval(context)
+        # A sum, because it is several times faster than looking at each.
+        if not math.isfinite(self._states.sum()) and not np.isfinite(self._states).all():
+            return
+        if self._bodies:
+            poses: Any = self._body_poses_input.Eval(context)  # type: ignore[union-attr]
+            self._poses[:] = self._pose_rows.fill([poses[index].GetAsMatrix34() for index in self._moving])
+        file.write_block(self._block, t_ns, self._values)
+
+    def _lay_out(self, context: Context) -> None:
+        """Fixes which messages a sample has, and where in them each port's numbers go."""
+        messages: list[tuple[int, CdrTemplate]] = []
+        order: list[np.ndarray] = []  # Of each message, the places of its numbers among the values.
+        ports: list[tuple[InputPort, int]] = []
+        count = 0
+
+        def take(port: InputPort) -> np.ndarray:
+            nonlocal count
+            ports.append((port, port.size()))
+            count += port.size()
+            return np.arange(count - port.size(), count)
+
+        states = [take(port).reshape(2, -1) for port in self._state_inputs.values()]
+        state_count = count
+        if states:
+            fields = [state[0] for state in states] + [state[1] for state in states]
+            # JointState wants an effort for every joint or for none.
+            effort = all(port.HasValue(context) for port in self._effort_inputs.values())
+            if effort:
+                fields += [take(port) for port in self._effort_inputs.values()]
+            template = ros2_messages.joint_state_template(self._joint_names, effort=effort)
+            messages.append((self._joint_states_channel, template))
+            order.append(np.concatenate(fields))
         for channel, template, port in self._wrench_inputs:
-            torque_force: Any = port.Eval(context)
-            file.write(channel, t_ns, template.encode(t_ns, torque_force[[3, 4, 5, 0, 1, 2]]))
+            messages.append((channel, template))
+            order.append(take(port)[[3, 4, 5, 0, 1, 2]])  # Force first.
         for channel, template, port in self._vector_inputs:
-            vector: Any = port.Eval(context)
-            file.write(channel, t_ns, template.encode(t_ns, vector))
+            messages.append((channel, template))
+            order.append(take(port))
+        if self._bodies:
+            messages.append((self._tf_channel, ros2_messages.tf_template(self._world_frame, list(self._bodies))))
+            order.append(np.arange(count, count + 7 * len(self._bodies)))
+            count += 7 * len(self._bodies)
+        self._values = np.empty(count)
+        self._states = self._values[:state_count]
+        self._poses = self._values[count - 7 * len(self._bodies) :].reshape(-1, 7)
+        ends = np.cumsum([size for _, size in ports], dtype=int)
+        self._parts = [(port, self._values[end - size : end]) for (port, size), end in zip(ports, ends, strict=True)]
+        self._block = MessageBlock(messages, np.concatenate([np.empty(0, dtype=int), *order]))

@@ -1,6 +1,5 @@
 """Reads recordings of any length from front to back, sample by sample, in bounded memory. Without pydrake."""
 
-import shlex
 import struct
 import zlib
 from collections.abc import Callable, Iterator
@@ -12,7 +11,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Header, Metadata, Schema
 
-from drake_blfdmp.recording.mcap_file import RecorderError
+from drake_blfdmp.recording.mcap_file import RecorderError, recover_hint
 from drake_blfdmp.recording.samples import Decoder, Sample
 from drake_blfdmp.ros2 import mcap_records as mcap
 from drake_blfdmp.ros2.messages import LOG
@@ -23,11 +22,6 @@ def damage_text(error: mcap.BrokenMcapError, size: int, latest_ns: int) -> str:
     reason = "truncated" if error.truncated else "damaged"
     why = "" if error.truncated else f" ({error})"
     return f"{reason} at byte {error.offset} of {size}{why}, whole up to t = {latest_ns * 1e-9:.6g} s"
-
-
-def recover_hint(path: Path) -> str:
-    """What to do about it."""
-    return f"run python run.py recover {shlex.quote(str(path))}"
 
 
 @dataclass
@@ -59,9 +53,10 @@ class McapStream:
 
     Attributes, all as far as the file has been read:
         path: the file.
+        profile: as the file's header has it.
         topics: name -> Topic, also of topics that are left out.
         metadata: record -> its entries.
-        attachments: name -> bytes, up to 100 MB in all.
+        attachments: name -> bytes, up to 50 MB in all.
         latest_ns: latest log time of all messages, ns.
         damage: empty, or what is wrong with the file and from when on nothing could be read.
     """
@@ -72,6 +67,7 @@ class McapStream:
         *,
         topics: set[str] | None = None,
         recover: bool = False,
+        empty: bool = False,
         progress: Callable[[float], None] = lambda share: None,
     ):
         """Nothing is read yet.
@@ -80,10 +76,11 @@ class McapStream:
             filename: the file.
             topics: only these; all when None.
             recover: stop at a damage, which is in `damage` then, in place of raising.
+            empty: whether a file without a message will do.
             progress: called with the share that has been read, 0 to 1, now and then.
         """
         self.path = Path(filename)
-        self._only, self._recover, self._progress = topics, recover, progress
+        self._only, self._recover, self._empty, self._progress = topics, recover, empty, progress
         self._begin()
 
     def _begin(self) -> None:
@@ -91,6 +88,7 @@ class McapStream:
         self.topics: dict[str, Topic] = {}
         self.metadata: dict[str, dict[str, str]] = {}
         self.attachments: dict[str, bytes] = {}
+        self.profile = ""
         self.latest_ns = 0
         self.damage = ""
 
@@ -139,7 +137,7 @@ class McapStream:
             self.damage = damage_text(error, size, self.latest_ns)
             if not self._recover:
                 raise RecorderError(f"{self.path}: {self.damage}; {recover_hint(self.path)}") from None
-        if not self.damage and not any(topic.messages for topic in self.topics.values()):
+        if not self._empty and not self.damage and not any(topic.messages for topic in self.topics.values()):
             raise RecorderError(f"{self.path}: holds no message; nothing was recorded")
 
     def _messages(self, records: Iterator[mcap.Record], size: int) -> Iterator[tuple[Topic, mcap.Message]]:
@@ -202,6 +200,6 @@ class McapStream:
             if sum(map(len, self.attachments.values())) + len(attachment.data) <= mcap.LARGEST:
                 self.attachments[attachment.name] = attachment.data
         elif opcode == mcap.HEADER:
-            profile = Header.read(stream).profile
-            if profile not in ("ros2", ""):
-                raise RecorderError(f"{self.path}: profile '{profile}' instead of ros2; convert it to ROS 2 first")
+            self.profile = Header.read(stream).profile
+            if self.profile not in ("ros2", ""):
+                raise RecorderError(f"{self.path}: profile '{self.profile}' instead of ros2; convert it to ROS 2 first")

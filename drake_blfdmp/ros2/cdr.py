@@ -127,6 +127,21 @@ class CdrTemplate:
         self._float64s[self._at] = values.ravel()
         return self._message.tobytes()
 
+    @property
+    def blank(self) -> bytes:
+        """The message as it is now."""
+        return self._message.tobytes()
+
+    @property
+    def float64_offsets(self) -> np.ndarray:
+        """(float64_count,) where in the message they stand, in bytes."""
+        return 8 * np.arange(len(self._float64s))[self._at] - 4  # The padding before it.
+
+    @property
+    def stamp_offsets(self) -> np.ndarray:
+        """Where the stamps stand."""
+        return np.array(self._stamps, dtype=int) - 4
+
 
 class CdrReader:
     """Walks over the fields of one message, in the order in which a `CdrWriter` wrote them.

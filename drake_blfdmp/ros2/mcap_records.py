@@ -12,7 +12,7 @@ import lz4.frame
 import zstandard
 
 MAGIC = b"\x89MCAP0\r\n"
-LARGEST = 100_000_000
+LARGEST = 50_000_000
 """Bytes of a record or of a chunk's content that are taken into memory; of attachments beyond it only the place is."""
 
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX = 1, 2, 3, 4, 5, 6, 7
@@ -67,6 +67,11 @@ class Message(NamedTuple):
 def pack_record(opcode: int, *content: bytes) -> bytes:
     """A record from the parts of its content."""
     return _HEAD.pack(opcode, sum(map(len, content))) + b"".join(content)
+
+
+def pack_message_head(channel: int, log_time: int, publish_time: int) -> bytes:
+    """What stands before the data in a message's content; times in ns, no sequence number."""
+    return _MESSAGE.pack(channel, 0, log_time, publish_time)
 
 
 def pack_string(text: str) -> bytes:
@@ -144,6 +149,7 @@ class Chunk(NamedTuple):
     """A chunk's content, decompressed and verified."""
 
     compression: str
+    packed_size: int
     records: bytes
 
 
@@ -158,7 +164,10 @@ def open_chunk(data: bytes) -> Chunk:
     at = _CHUNK.size
     compression = data[at : at + name_length].decode()
     at += name_length
-    packed = memoryview(data)[at + 8 : at + 8 + int.from_bytes(data[at : at + 8], "little")]
+    packed_size = int.from_bytes(data[at : at + 8], "little")
+    packed = memoryview(data)[at + 8 : at + 8 + packed_size]
+    if len(packed) != packed_size:
+        raise ValueError("a chunk's size is wrong")
     if size > LARGEST:
         raise TooLargeError(f"a chunk of {size / 1e6:.0f} MB")
     try:
@@ -177,7 +186,7 @@ def open_chunk(data: bytes) -> Chunk:
         raise ValueError(f"a chunk cannot be decompressed ({error})") from None
     if len(records) != size or (crc and zlib.crc32(records) != crc):
         raise ValueError("a chunk's checksum is wrong")
-    return Chunk(compression, records)
+    return Chunk(compression, packed_size, records)
 
 
 def chunk_records(records: bytes) -> Iterator[Record]:

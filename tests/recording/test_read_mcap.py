@@ -69,7 +69,7 @@ def test_any_truncation_is_reported_and_read_up_to_the_break(data, path, whole, 
     end = data.draw(st.integers(0, len(content) - 1))
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(content[:end])
-    with pytest.raises(RecorderError, match=r"cut\.mcap: .*(damaged|cut off).* after t = .*; read it with recover"):
+    with pytest.raises(RecorderError, match=r"cut\.mcap: truncated at byte \d+ of \d+, whole up to t = .* s; run py"):
         read_mcap(cut)
     part = read_mcap(cut, recover=True)
     assert part.damage
@@ -78,19 +78,14 @@ def test_any_truncation_is_reported_and_read_up_to_the_break(data, path, whole, 
 
 @settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_a_wrong_byte_is_reported_or_without_effect(data, path, whole, tmp_path):
+def test_a_wrong_byte_is_reported(data, path, whole, tmp_path):
     content = bytearray(path.read_bytes())
     content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
     wrong = tmp_path / "wrong.mcap"
     wrong.write_bytes(content)
-    try:
-        read = read_mcap(wrong)
-    except RecorderError as error:
-        assert "\n" not in str(error)
-        return
-    # Past the data (index, summary) nothing is read, so nothing can be wrong.
-    assert is_beginning_of(read, whole) and is_beginning_of(whole, read)
-    assert (read.events, read.metadata, read.attachments) == (whole.events, whole.metadata, whole.attachments)
+    with pytest.raises(RecorderError) as caught:
+        read_mcap(wrong)
+    assert "\n" not in str(caught.value)
 
 
 def test_cut_in_the_middle_keeps_whole_chunks(path, whole, tmp_path):
