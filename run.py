@@ -12,12 +12,22 @@
 Exit status: 0 success, 1 the run ended without success, 2 bad input.
 """
 
+import signal
 import sys
 from importlib import import_module
 from pathlib import Path
+from types import FrameType
 
 ROOT = Path(__file__).resolve().parent
 COMMANDS = ("inspect", "convert", "recover", "studies")
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM or SIGHUP came: everything is closed as after Ctrl-C."""
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    raise Terminated(number)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -34,10 +44,23 @@ def main(arguments: list[str] | None = None) -> int:
     except BlfDmpError as error:
         print(f"run.py: {error}", file=sys.stderr)
         return error.exit_status
+    except BrokenPipeError:
+        raise  # Whoever read the output has gone.
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"run.py: {where}{error.strerror or error}; free space there or name another place", file=sys.stderr)
+        return 2
+    except Terminated as error:
+        print(f"run.py: terminated by {signal.Signals(error.args[0]).name}", file=sys.stderr)
+        return 128 + error.args[0]
     except KeyboardInterrupt:
         print("run.py: interrupted", file=sys.stderr)
         return 130
 
 
 if __name__ == "__main__":
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # Else somebody ignores it: nohup.
+            signal.signal(number, _terminate)
     sys.exit(main())
