@@ -19,16 +19,18 @@ def pack_stamp(t_ns: int) -> bytes:
 
 
 class CdrWriter:
-    """Appends fields to a message; `float64s` and `stamp` leave zeros behind and remember where they stand.
+    """Appends fields to a message; `float64s`, `float32s` and `stamp` leave zeros behind and remember where they stand.
 
     Attributes:
         float64_offsets: byte offset of every float64 left open, counted from the end of the encapsulation header.
+        float32_offsets: the same for every float32.
         stamp_offsets: the same for every time stamp (8 bytes each).
     """
 
     def __init__(self):
         self._body = bytearray()
         self.float64_offsets: list[int] = []
+        self.float32_offsets: list[int] = []
         self.stamp_offsets: list[int] = []
 
     def _align(self, size: int) -> None:
@@ -74,6 +76,13 @@ class CdrWriter:
             self.float64_offsets.append(len(self._body))
             self._body.extend(bytes(8))
 
+    def float32s(self, count: int) -> None:
+        """`count` float32 in a row, without a length before them."""
+        for _ in range(count):
+            self._align(4)
+            self.float32_offsets.append(len(self._body))
+            self._body.extend(bytes(4))
+
     def float64_sequence(self, count: int) -> None:
         """A sequence of `count` float64."""
         self.uint32(count)
@@ -94,7 +103,7 @@ class CdrWriter:
 
 
 class CdrTemplate:
-    """A message of fixed size, of which only the stamps and the float64 change from one sample to the next.
+    """A message of fixed size, of which only the stamps and the open numbers change from one sample to the next.
 
     Encoding field by field in Python costs about a microsecond a field; here all float64 go in by one assignment.
     """
@@ -113,18 +122,23 @@ class CdrTemplate:
         self._at = slice(at[0], at[-1] + 1) if contiguous else at
         self._stamps = [offset + body for offset in writer.stamp_offsets]
         self.float64_count = len(at)
+        self._float32s = np.frombuffer(padded, dtype="<f4")
+        self._at_32 = (np.array(writer.float32_offsets, dtype=int) + body) // 4
 
-    def encode(self, t_ns: int, values: np.ndarray) -> bytes:
+    def encode(self, t_ns: int, values: np.ndarray, singles: np.ndarray | None = None) -> bytes:
         """The message at one instant.
 
         Args:
             t_ns: time for every stamp, ns.
             values: `float64_count` numbers, of any shape, in the order of the message.
+            singles: the same for the float32; those of the message before stay when None.
         """
         stamp = pack_stamp(t_ns)
         for offset in self._stamps:
             self._padded[offset : offset + 8] = stamp
         self._float64s[self._at] = values.ravel()
+        if singles is not None:
+            self._float32s[self._at_32] = singles.ravel()
         return self._message.tobytes()
 
     @property

@@ -17,7 +17,7 @@ WRENCH = "geometry_msgs/msg/WrenchStamped"
 MARKERS = "visualization_msgs/msg/MarkerArray"
 
 INFO = 20  # rcl_interfaces/msg/Log.INFO
-SPHERE, ADD = 2, 0  # visualization_msgs/msg/Marker: type and action.
+SPHERE, LINE_LIST, ADD = 2, 5, 0  # visualization_msgs/msg/Marker: types and action.
 
 _TYPES = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
@@ -177,32 +177,80 @@ def spheres_template(frame_id: str, spheres: Sequence[Sphere], *, lifetime_ns: i
         spheres: the name is written as namespace, `ns`.
         lifetime_ns: after which a viewer drops the spheres; 0 for never.
     """
+    return markers_template(frame_id, spheres, (), lifetime_ns=lifetime_ns)
+
+
+class Lines(NamedTuple):
+    """What of a list of lines stays: name, id, width (m), and how many lines there are."""
+
+    name: str
+    id: int
+    width: float
+    count: int
+
+
+def markers_template(
+    frame_id: str, spheres: Sequence[Sphere], lines: Sequence[Lines], *, lifetime_ns: int = 0
+) -> CdrTemplate:
+    """A visualization_msgs/msg/MarkerArray of spheres, then of lists of lines.
+
+    Its values are those of `spheres_template`, then x y z (m) of every line's two ends; its singles red, green, blue
+    and alpha of every line's two ends.
+
+    Args:
+        frame_id: frame of all points.
+        spheres, lines: names are written as namespace, `ns`.
+        lifetime_ns: after which a viewer drops the markers; 0 for never.
+    """
     writer = CdrWriter()
-    writer.uint32(len(spheres))
+    writer.uint32(len(spheres) + len(lines))
     for sphere in spheres:
         _header(writer, frame_id)
-        writer.string(sphere.name)
-        for number in (sphere.id, SPHERE, ADD):
-            writer.int32(number)
+        _what(writer, sphere.name, sphere.id, SPHERE)
         writer.float64s(7 if sphere.turns else 3)
-        still = () if sphere.turns else (0.0, 0.0, 0.0, 1.0)
+        still = () if sphere.turns else _UPRIGHT
         for number in (*still, *3 * (sphere.diameter,)):  # Orientation, scale.
             writer.float64(number)
         for number in sphere.rgba:
             writer.float32(number)
-        writer.int32(lifetime_ns // 1_000_000_000)
-        writer.uint32(lifetime_ns % 1_000_000_000)
-        writer.uint8(0)  # frame_locked
-        for _ in range(2):  # points, colors
-            writer.uint32(0)
-        writer.string("")  # texture_resource
-        _no_image(writer)
-        writer.uint32(0)  # uv_coordinates
-        for _ in range(3):  # text, mesh_resource, mesh_file.filename
-            writer.string("")
-        writer.uint32(0)  # mesh_file.data
-        writer.uint8(0)  # mesh_use_embedded_materials
+        _rest(writer, lifetime_ns, 0)
+    for some in lines:
+        _header(writer, frame_id)
+        _what(writer, some.name, some.id, LINE_LIST)
+        for number in (0.0, 0.0, 0.0, *_UPRIGHT, some.width, 0.0, 0.0):  # Pose, scale: x alone is the width.
+            writer.float64(number)
+        for number in (1.0, 1.0, 1.0, 1.0):
+            writer.float32(number)
+        _rest(writer, lifetime_ns, 2 * some.count)
     return CdrTemplate(writer)
+
+
+_UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+
+
+def _what(writer: CdrWriter, name: str, number: int, kind: int) -> None:
+    """Namespace, id, type and action of a marker."""
+    writer.string(name)
+    for value in (number, kind, ADD):
+        writer.int32(value)
+
+
+def _rest(writer: CdrWriter, lifetime_ns: int, points: int) -> None:
+    """What of a marker stands behind its colour: among it its points and their colours, open."""
+    writer.int32(lifetime_ns // 1_000_000_000)
+    writer.uint32(lifetime_ns % 1_000_000_000)
+    writer.uint8(0)  # frame_locked
+    writer.uint32(points)
+    writer.float64s(3 * points)
+    writer.uint32(points)  # colors
+    writer.float32s(4 * points)
+    writer.string("")  # texture_resource
+    _no_image(writer)
+    writer.uint32(0)  # uv_coordinates
+    for _ in range(3):  # text, mesh_resource, mesh_file.filename
+        writer.string("")
+    writer.uint32(0)  # mesh_file.data
+    writer.uint8(0)  # mesh_use_embedded_materials
 
 
 def _no_image(writer: CdrWriter) -> None:

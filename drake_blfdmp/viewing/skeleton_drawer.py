@@ -17,19 +17,18 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem, OutputPort
 
 from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.link_state import COLOURS, INSIDE, JOINT_COLOUR, NEAR, NEAR_MARGIN, OUTSIDE, classify, rgb
 from drake_blfdmp.skeleton import HANDS, LINKS, POINTS, WRISTS
 from drake_blfdmp.viewing import band_limits, person_shape
 
-INSIDE, NEAR, OUTSIDE = "inside", "near", "outside"
-_COLOURS = {INSIDE: "#009E73", NEAR: "#E69F00", OUTSIDE: "#D00000"}
 LEGEND: Mapping[str, str] = {
-    "link inside its band": _COLOURS[INSIDE],
-    "link near its band's edge": _COLOURS[NEAR],
-    "link outside its band": _COLOURS[OUTSIDE],
+    "link inside its band": COLOURS[INSIDE],
+    "link near its band's edge": COLOURS[NEAR],
+    "link outside its band": COLOURS[OUTSIDE],
 }
 """Text -> CSS colour, for `meshcat_scene.write_scene_html`."""
 
-_BODY, _JOINT = "#7F97B8", "#5A6470"
+_BODY = "#7F97B8"
 BAND_LEGEND: Mapping[str, str] = {"where the hands' band lets each hand be": band_limits.COLOUR}
 PERSON_LEGEND: Mapping[str, str] = {"the person, life-size, as the skill moves": _BODY}
 """Further ones, where these are drawn."""
@@ -37,14 +36,6 @@ PERSON_LEGEND: Mapping[str, str] = {"the person, life-size, as the skill moves":
 _LEFT_SHOULDER, _RIGHT_SHOULDER = POINTS.index("left_shoulder"), POINTS.index("right_shoulder")
 _SHORTEST = 1e-6  # A rod of length zero has no direction and a singular matrix, m.
 _SHORTEST_LEGS, _LONGEST_LEGS = 0.5, 1.4  # Of a person's, as modelled.
-
-
-def classify(margin: ArrayLike, near: float) -> list[str]:
-    """State of each link: OUTSIDE where `margin` is negative or NaN, NEAR below `near` (same unit), else INSIDE."""
-    states = (
-        OUTSIDE if not value >= 0.0 else NEAR if value < near else INSIDE for value in np.asarray(margin, dtype=float)
-    )
-    return list(states)
 
 
 def rod_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, float]:
@@ -57,8 +48,7 @@ def rod_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, float]
 
 
 def _rgba(colour: str, alpha: float) -> Rgba:
-    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
-    return Rgba(red, green, blue, alpha)
+    return Rgba(*rgb(colour), alpha)
 
 
 class SkeletonGhost:
@@ -71,7 +61,7 @@ class SkeletonGhost:
         path: str = "/skeleton",
         radius: float = 0.018,
         opacity: float = 0.35,
-        near_margin: float = 0.2,
+        near_margin: float = NEAR_MARGIN,
     ):
         """Makes all objects; call it before `meshcat.StartRecording`.
 
@@ -92,11 +82,11 @@ class SkeletonGhost:
             )
         self._meshcat, self._path, self._near = meshcat, path.rstrip("/"), near_margin
         for name in POINTS:
-            meshcat.SetObject(f"{self._path}/{name}", Sphere(1.5 * radius), _rgba(_JOINT, 1.0))
+            meshcat.SetObject(f"{self._path}/{name}", Sphere(1.5 * radius), _rgba(JOINT_COLOUR, 1.0))
         for link in LINKS:
             # What is no bone is drawn thinner.
             size = 0.5 * radius if link.name == LINKS[HANDS].name else radius
-            for state, colour in _COLOURS.items():
+            for state, colour in COLOURS.items():
                 rod = f"{self._path}/{link.name}/rods/{state}"
                 meshcat.SetObject(rod, Cylinder(size, 1.0), _rgba(colour, 1.0))
                 meshcat.SetProperty(rod, "visible", False)
@@ -127,7 +117,7 @@ class SkeletonGhost:
             pose, length = rod_pose(points[link.a], points[link.b])
             self._meshcat.SetTransform(f"{self._path}/{link.name}", pose, time)
             self._meshcat.SetProperty(f"{self._path}/{link.name}/rods", "scale", [1.0, 1.0, length], time)
-            for state in _COLOURS:
+            for state in COLOURS:
                 rod = f"{self._path}/{link.name}/rods/{state}"
                 self._meshcat.SetProperty(rod, "visible", state == drawn, time)
         self._draw_person(points[_LEFT_SHOULDER], points[_RIGHT_SHOULDER], time)
