@@ -97,3 +97,10 @@ def interpolated(t, q, times):
     share = np.clip((times - t[after - 1]) / (t[after] - t[after - 1]), 0.0, 1.0)
     way = rotation_vector(multiply(q[after], conjugate(q[after - 1])))
     return multiply(from_rotation_vector(share[:, None] * way), q[after - 1])
+
+
+def interpolated_poses(t, poses, times):
+    """Poses (N, 7), qw qx qy qz x y z, at increasing t (N,) brought to other times (M,); held outside."""
+    poses = np.asarray(poses)
+    places = [np.interp(times, t, column) for column in poses[:, 4:].T]
+    return np.column_stack([interpolated(t, poses[:, :4], times), *places])

@@ -14,18 +14,13 @@ from pydrake.systems.primitives import AffineSystem
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.last_states import LastStatesKept
-from drake_blfdmp.evaluation.live_session import LiveSession
-from drake_blfdmp.evaluation.run_logger import PlannedEvents
+from drake_blfdmp.evaluation.run_recorder import GHOST_AT, AddRecorder
 from drake_blfdmp.evaluation.simulation import Simulate
-from drake_blfdmp.evaluation.summary import MakeSummary, dump, versions
+from drake_blfdmp.evaluation.summary import MakeSummary, dump
 from drake_blfdmp.planning.plan import MakePlan, Plan
 from drake_blfdmp.planning.scenario import DumpScenario, Scenario
-from drake_blfdmp.recording.event_recorder import EventRecorder
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.run_log import RunLog
-from drake_blfdmp.robot.carry_phases import PHASES
-from drake_blfdmp.robot.description import MakeSceneDescription
-from drake_blfdmp.skeleton import LINKS, POINTS
 from drake_blfdmp.viewing.figures import write_figures
 from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat, write_scene_html
 from drake_blfdmp.viewing.skeleton_drawer import BAND_LEGEND, LEGEND, PERSON_LEGEND, SkeletonDrawer, SkeletonGhost
@@ -35,10 +30,6 @@ Progress = Callable[[str, float], None]
 
 MOST_SCENE_FRAMES = 1000
 """A scene has no more; one of them takes about 5 kB."""
-
-GHOST_AT = np.array([0.95, -0.1, 1.4])
-"""Where the ghost's shoulders are drawn, m in W: beside the arms, life-size, its feet on the floor."""
-
 
 @dataclass(frozen=True)
 class Run:
@@ -133,8 +124,6 @@ def CarryOut(
         write_scene_html(viewer, folder / "scene.html", title=title, legend=legend)
         log, recorder = done.log, recorders[0]
         summary = MakeSummary(plan, log, done.margins, done.simulated_s, done.wall_s)
-        for name, t in () if log.recognised else log.events:  # What was recognised is there already.
-            recorder.Event(name, t)
         recorder.AddAttachment("scenario.yaml", DumpScenario(scenario), "application/yaml")
         recorder.AddAttachment("skill.json", (folder / "skill.json").read_bytes(), "application/json")
         # The clocks differ from run to run, the recording must not.
@@ -145,59 +134,6 @@ def CarryOut(
     write_figures(log, folder)
     progress("drawing figures", 1.0)
     return Run(plan, log, summary, folder)
-
-
-def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> McapRecorder:
-    """Record the arms, the box, the skill's signals and the contact forces to an MCAP file."""
-    plan, skill = parts.plan, parts.skill
-    scenario, plant = plan.scenario, parts.plant
-    recorder = McapRecorder.AddToBuilder(
-        filename=path,
-        builder=builder,
-        plant=plant,
-        arms=[plant.GetModelInstanceName(arm) for arm in parts.arms],
-        rate=scenario.simulation.record_rate_hz,
-        robot_description=MakeSceneDescription(plan.box, plan.tables),
-        metadata={
-            "seed": scenario.seed,
-            "synthetic": plan.source.recording.synthetic,
-            "law": scenario.law,
-            **{f"version_{name}": value for name, value in versions().items()},
-            **{f"event_{name}": t for name, t in PlannedEvents(plan)},
-            **({} if plan.box is None else {f"carry_phase_{number}": name for number, name in enumerate(PHASES)}),
-        },
-    )
-    recorder.set_name("recorder")
-    points = [f"{point}_{axis}" for point in POINTS for axis in "xyz"]
-    links = [link.name for link in LINKS]
-    bands = [
-        f"{link}_{row}" for row in ("lower", "upper", "lower_d", "upper_d", "lower_dd", "upper_dd") for link in links
-    ]
-    joints = [f"{arm}{joint}" for arm in ("left_", "right_") for joint in range(1, 8)]
-    signals = [
-        ("phase", skill.canonical.GetOutputPort("phase"), ["s"], "1"),
-        ("points", skill.transformation.GetOutputPort("position"), points, "m"),
-        ("bands", skill.bands.GetOutputPort("bands"), bands, "m, m/s, m/s^2"),
-        ("barrier", skill.coupler.GetOutputPort("barrier"), links, "1"),
-        ("margin", skill.coupler.GetOutputPort("margin"), links, "1"),
-        ("desired_position", parts.ik.GetOutputPort("position"), joints, "rad"),
-        ("task_scale", parts.ik.GetOutputPort("task_scale"), ["left", "right"], "1"),
-        ("hands", parts.observer.GetOutputPort("effective_distance"), ["distance"], "m"),
-    ]
-    if parts.tempo is not None:
-        signals.append(("tempo", parts.tempo, ["tempo"], "1"))
-    if parts.orientation is not None:
-        signals.append(("turn", parts.orientation.GetOutputPort("orientation"), ["qw", "qx", "qy", "qz"], "1"))
-    if parts.palm_forces is not None:
-        signals.append(("palm_force", parts.palm_forces.get_output_port(), ["left", "right"], "N"))
-    if parts.carry_phase is not None:
-        phase = parts.carry_phase.get_output_port()
-        signals.append(("carry_phase", phase, ["phase"], "1"))
-        events = EventRecorder(recorder=recorder, names=PHASES, rate=scenario.simulation.record_rate_hz)
-        builder.Connect(phase, builder.AddNamedSystem("events", events).get_input_port())
-    for name, port, elements, unit in signals:
-        builder.Connect(port, recorder.AddVectorInput(name, len(elements), elements, unit))
-    return recorder
 
 
 def AddViewer(builder: DiagramBuilder, parts: HoldAndPlace, meshcat: Meshcat) -> None:

@@ -6,7 +6,8 @@ from pathlib import Path
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace
-from drake_blfdmp.evaluation.carry_out import AddRecorder, AddViewer
+from drake_blfdmp.evaluation.carry_out import AddViewer
+from drake_blfdmp.evaluation.run_recorder import AddRecorder
 from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.viewing.diagram_graph import diagram_dot
 from drake_blfdmp.viewing.meshcat_scene import start_meshcat
@@ -25,7 +26,21 @@ GROUPS = {
         "phase_stopping",
         "carry_phase",
     ),
-    LISTENERS: ("recorder", "events", "ghost", "skeleton", "meshcat_visualizer(visualizer)"),
+    LISTENERS: (
+        "recorder",
+        "skill_clock",
+        "link_lengths",
+        "arm_swivels",
+        "swivels",
+        "planned_box",
+        "contact_wrenches",
+        "points_and_margin",
+        "passed_times",
+        "events",
+        "ghost",
+        "skeleton",
+        "meshcat_visualizer(visualizer)",
+    ),
 }
 """Frame in the graph -> names of the systems in it."""
 

@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
+from drake_blfdmp.evaluation.planned_signals import MakePlannedSignals, PlannedEvents
 from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.recording.run_log import RunLog
 from drake_blfdmp.robot.carry_phases import transitions
@@ -16,7 +17,6 @@ from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.skill.canonical import time_at
-from drake_blfdmp.skill.profiles import HandDistance
 
 
 @dataclass(frozen=True)
@@ -85,20 +85,16 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
     force = logger.log("palm_force", context) if "palm_force" in logger.sinks else np.zeros((n, 2))
     phase = logger.log("phase", context)[:, 0]
     clock = time_at(phase, plan.task.skill.tau, plan.task.skill.gamma)
-    index = np.minimum(np.round(clock / plan.scenario.simulation.skill_time_step).astype(int), len(plan.coupled.t) - 1)
     palm, swivel = _kinematics(q)
-    motion, stretch = plan.task.motion, plan.stretch
-    demonstrated = np.stack(
-        [np.interp(clock, motion.t * stretch, column) for column in motion.x.reshape(len(motion.t), 18).T], axis=-1
-    )
+    planned = MakePlannedSignals(plan, limits)
     return RunLog(
         t=t,
         clock=clock,
         phase=phase,
         tempo=logger.log("tempo", context)[:, 0] if "tempo" in logger.sinks else np.ones(n),
         position=logger.log("position", context).reshape(n, 6, 3),
-        uncoupled=plan.uncoupled.x[index],
-        demonstrated=demonstrated.reshape(n, 6, 3),
+        uncoupled=planned.points_at("uncoupled", clock),
+        demonstrated=planned.points_at("demonstrated", clock),
         lower=bands[:, 0],
         upper=bands[:, 1],
         desired=0.5 * (bands[:, 0] + bands[:, 1]),
@@ -118,27 +114,11 @@ def MakeRunLog(plan: Plan, limits: JointLimits, logger: RunLogger, context: Cont
         hands=logger.log("hands", context)[:, 0],
         palm_force=force,
         box=box,
-        box_desired=None if box is None else plan.planned_box()[index],
+        box_desired=planned.box_at(clock),
         clearance=_clearances(plan, q, box),
         events=tuple((name, float(np.interp(at, clock, t))) for name, at in PlannedEvents(plan)),
-        spread=plan.task.skill.spread_at(clock),
+        spread=planned.spread_at(clock),
         recognised=transitions(t, logger.log("carry_phase", context)[:, 0]) if "carry_phase" in logger.sinks else (),
-    )
-
-
-def PlannedEvents(plan: Plan) -> tuple[tuple[str, float], ...]:
-    """The task's phases by the skill's clock: (name, time in s)."""
-    hands, events = plan.task.bands.hands, plan.task.skill.events
-    if not isinstance(hands, HandDistance):
-        return tuple((name, float(t)) for name, t in events.items())
-    grasped, released = plan.task.held
-    return (
-        ("close", float(hands.close_s)),
-        ("hold", float(grasped)),
-        ("carry", float(events["grasp_end"])),
-        ("set down", float(events["release"])),
-        ("open", float(released)),
-        ("released", float(released + hands.duration_s)),
     )
 
 

@@ -17,7 +17,8 @@ class EventRecorder(LeafSystem):
         input_ports:
         - number
 
-    `number` (1) is an index of the names. The first value is written too. Like a McapRecorder it records one run.
+    `number` (1) is an index of the names. The first value is written too; a number whose name is empty is not an
+    event. Like a McapRecorder it records one run.
     """
 
     def __init__(self, *, recorder: McapRecorder, names: Sequence[str], rate: float = 100.0):
@@ -32,4 +33,5 @@ class EventRecorder(LeafSystem):
         number = int(np.asarray(self._number.Eval(context))[0])
         if number != self._last:
             self._last = number
-            self._recorder.Event(self._names[number], context.get_time())
+            if self._names[number]:
+                self._recorder.Event(self._names[number], context.get_time())

@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -14,14 +14,39 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiagramBuilder, InputPort, LeafSystem
 
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
-from drake_blfdmp.recording.message_block import MessageBlock
 from drake_blfdmp.recording.plant_names import plant_names
 from drake_blfdmp.recording.pose_rows import PoseRows
+from drake_blfdmp.recording.sample_block import SampleBlock
 from drake_blfdmp.ros2 import messages as ros2_messages
 from drake_blfdmp.ros2.cdr import CdrTemplate
 
 _NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 _OWN_TOPICS = ("robot_description", "joint_states", "tf", "tf_static", "events")
+_FORCE_FIRST = np.array([3, 4, 5, 0, 1, 2])
+
+Encode = Callable[[int, np.ndarray], bytes]
+"""The message of a port's value at a time in ns."""
+
+
+class _Input(NamedTuple):
+    """A port that is recorded on a topic of its own.
+
+    Attributes:
+        channel, port: where to and where from.
+        template: of its messages; None where `encode` makes them.
+        order: (n,) place in the port's value of each number in a message.
+        single_precision: whether the numbers are rounded.
+        encode: of inputs that are not recorded at each sample, or not by a template.
+        every: of how many samples one is recorded.
+    """
+
+    channel: int
+    port: InputPort
+    template: CdrTemplate | None
+    order: np.ndarray
+    single_precision: bool
+    encode: Encode
+    every: int
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
@@ -42,6 +67,7 @@ class McapRecorder(LeafSystem):
         - body_poses
         - <name given to AddVectorInput>
         - <name given to AddWrenchInput>
+        - <name given to AddMessageInput>
 
     A joint group's state port takes [q, v] (2n; rad, rad/s), its effort port n values (N m). `body_poses` takes
     MultibodyPlant's output port of that name and exists only when bodies are recorded.
@@ -50,9 +76,10 @@ class McapRecorder(LeafSystem):
     |---|---|---|
     | /robot_description | std_msgs/msg/String | the URDF, once, transient local |
     | /joint_states | sensor_msgs/msg/JointState | all joint groups |
-    | /tf, /tf_static | tf2_msgs/msg/TFMessage | X_WB of each body; of those that cannot move once, transient local |
+    | /tf, /tf_static | tf2_msgs/msg/TFMessage | X_WB of each body; of what cannot move once, transient local |
     | /<name> of a wrench | geometry_msgs/msg/WrenchStamped | |
     | /<name> of a vector | sensor_msgs/msg/JointState | elements as `name`, values as `position` |
+    | /<name> of a message | any of `ros2.messages.DEFINITIONS` | what its encoder makes of the port's value |
     | /events | rcl_interfaces/msg/Log | the event's name as `msg` |
 
     Every time is simulated time, as log time, as publish time and in the headers, so equal runs give equal files, byte
@@ -81,6 +108,7 @@ class McapRecorder(LeafSystem):
         joints: Mapping[str, Sequence[str]] | None = None,
         bodies: Mapping[str, int] | None = None,
         static_bodies: Mapping[str, int] | None = None,
+        static_frames: Mapping[str, RigidTransform] | None = None,
         robot_description: str = "",
         metadata: Mapping[str, object] | None = None,
         world_frame: str = "world",
@@ -94,6 +122,7 @@ class McapRecorder(LeafSystem):
             joints: joint group -> names of its joints as in `robot_description`, in the order of the group's state.
             bodies: name of a link in `robot_description` -> its index in `body_poses`, for bodies that move.
             static_bodies: the same for bodies that do not.
+            static_frames: name of a further frame F that does not move -> X_WF.
             robot_description: URDF of everything that is to be drawn; none when empty.
             metadata: what is to be known of the run (seed, versions, the scenario's hash, synthetic or real): the
                 metadata record "run".
@@ -104,18 +133,20 @@ class McapRecorder(LeafSystem):
             RecorderError: the file exists or cannot be created, or a name or number is unusable.
         """
         LeafSystem.__init__(self)
-        joints, bodies, static_bodies = joints or {}, bodies or {}, static_bodies or {}
+        joints, bodies = joints or {}, bodies or {}
+        static_bodies, static_frames = static_bodies or {}, static_frames or {}
         for what, number in (("rate (Hz)", rate), ("chunk_duration (s)", chunk_duration)):
             if not (math.isfinite(number) and number > 0):
                 raise RecorderError(f"recorder: {what} is {number}; give a positive number")
         self._joint_names = [name for group in joints.values() for name in group]
         _check_unique("joint", self._joint_names)
-        _check_unique("body", [*bodies, *static_bodies])
+        _check_unique("body", [*bodies, *static_bodies, *static_frames])
         self._topics: set[str] = set(_OWN_TOPICS)
         self._world_frame = world_frame
         self._robot_description = robot_description
         self._bodies = {name: int(index) for name, index in bodies.items()}
         self._static_bodies = {name: int(index) for name, index in static_bodies.items()}
+        self._static_frames = dict(static_frames)
 
         self._state_inputs: dict[str, InputPort] = {}
         self._effort_inputs: dict[str, InputPort] = {}
@@ -125,12 +156,10 @@ class McapRecorder(LeafSystem):
         self._body_poses_input: InputPort | None = None
         if bodies or static_bodies:
             self._body_poses_input = self.DeclareAbstractInputPort("body_poses", AbstractValue.Make([RigidTransform()]))
-        self._vector_inputs: list[tuple[int, CdrTemplate, InputPort]] = []
-        self._wrench_inputs: list[tuple[int, CdrTemplate, InputPort]] = []
-        # Of a sample: its messages, its numbers, and which port each part of them comes from.
-        self._block = MessageBlock([])
-        self._values = np.empty(0)
-        self._parts: list[tuple[InputPort, np.ndarray]] = []
+        self._inputs: list[_Input] = []
+        self._apart: list[_Input] = []  # Those that are not of every sample's block.
+        self._samples = 0
+        self._block = SampleBlock()
         self._states = self._poses = np.empty(0)
         self._moving = list(self._bodies.values())
         self._pose_rows = PoseRows(len(self._moving))
@@ -143,7 +172,7 @@ class McapRecorder(LeafSystem):
             self._description_channel = self._file.add_channel(
                 "/robot_description", ros2_messages.STRING, transient_local=True
             )
-        if static_bodies:
+        if static_bodies or static_frames:
             self._tf_static_channel = self._file.add_channel("/tf_static", ros2_messages.TF, transient_local=True)
         if joints:
             self._joint_states_channel = self._file.add_channel("/joint_states", ros2_messages.JOINT_STATE)
@@ -159,6 +188,7 @@ class McapRecorder(LeafSystem):
         plant: MultibodyPlant,
         arms: Sequence[str],
         rate: float = 100.0,
+        static_frames: Mapping[str, RigidTransform] | None = None,
         robot_description: str = "",
         metadata: Mapping[str, object] | None = None,
         chunk_duration: float = 1.0,
@@ -178,6 +208,7 @@ class McapRecorder(LeafSystem):
             joints=names.joints,
             bodies=names.bodies,
             static_bodies=names.static_bodies,
+            static_frames=static_frames,
             robot_description=robot_description,
             metadata=metadata,
             chunk_duration=chunk_duration,
@@ -197,7 +228,16 @@ class McapRecorder(LeafSystem):
         """The file."""
         return self._file.path
 
-    def AddVectorInput(self, name: str, size: int, elements: Sequence[str], unit: str) -> InputPort:
+    def AddVectorInput(
+        self,
+        name: str,
+        size: int,
+        elements: Sequence[str],
+        unit: str,
+        *,
+        single_precision: bool = False,
+        every: int = 1,
+    ) -> InputPort:
         """Declares an input port called `name` and records it on the topic `/<name>`; returns the port.
 
         Call it before the diagram is built.
@@ -207,6 +247,8 @@ class McapRecorder(LeafSystem):
             size: the port's size.
             elements: (size,) names of the elements.
             unit: of all elements, for example "m"; "1" for pure numbers.
+            single_precision: round to the seven digits of a float32, which halves what the numbers take in the file.
+            every: record each so many samples only.
 
         Raises:
             RecorderError: the name is taken or unusable, `elements` does not fit `size`, or there is no unit.
@@ -216,21 +258,19 @@ class McapRecorder(LeafSystem):
         if not unit:
             raise RecorderError(f"recorder: vector '{name}' has no unit; give one, '1' for pure numbers")
         _check_unique(f"vector '{name}': element", list(elements))
-        self._take_topic(name)
         written = [f"{name}.{element}" if element in self._joint_names else element for element in elements]
         template = ros2_messages.joint_state_template(written, velocity=False, effort=False)
-        port = self.DeclareVectorInputPort(name, size)
-        channel = self._file.add_channel(f"/{name}", ros2_messages.JOINT_STATE, {"unit": unit})
-        self._vector_inputs.append((channel, template, port))
+        port, channel = self._declare(name, size, ros2_messages.JOINT_STATE, {"unit": unit}, every)
+        self._add_template(channel, port, template, np.arange(size), single_precision, every)
         return port
 
-    def AddWrenchInput(self, name: str, frame: str) -> InputPort:
+    def AddWrenchInput(self, name: str, frame: str, *, single_precision: bool = False, every: int = 1) -> InputPort:
         """Declares an input port (6) called `name` and records it on the topic `/<name>`; returns the port.
 
         Call it before the diagram is built.
 
         Args:
-            name: as in AddVectorInput.
+            name, single_precision, every: as in AddVectorInput.
             frame: name of the frame in which the wrench is expressed, and at whose origin its force is applied.
 
         The port takes Drake's order, SpatialForce.get_coeffs(): torque (3, N m), then force (3, N).
@@ -238,10 +278,36 @@ class McapRecorder(LeafSystem):
         Raises:
             RecorderError: the name is taken or unusable.
         """
-        self._take_topic(name)
-        port = self.DeclareVectorInputPort(name, 6)
-        channel = self._file.add_channel(f"/{name}", ros2_messages.WRENCH, {"unit": "N, N m"})
-        self._wrench_inputs.append((channel, ros2_messages.wrench_template(frame), port))
+        port, channel = self._declare(name, 6, ros2_messages.WRENCH, {"unit": "N, N m"}, every)
+        template = ros2_messages.wrench_template(frame)
+        self._add_template(channel, port, template, _FORCE_FIRST, single_precision, every)
+        return port
+
+    def AddMessageInput(
+        self,
+        name: str,
+        size: int,
+        message_type: str,
+        encode: Encode,
+        *,
+        metadata: Mapping[str, str] | None = None,
+        every: int = 1,
+    ) -> InputPort:
+        """Declares an input port called `name`, of whose value `encode` makes the messages on the topic `/<name>`.
+
+        Call it before the diagram is built.
+
+        Args:
+            name, size, every: as in AddVectorInput.
+            message_type: one of `ros2.messages.DEFINITIONS`.
+            encode: the CDR message of a time (ns) and the port's value (size,).
+            metadata: of the channel.
+
+        Raises:
+            RecorderError: the name is taken or unusable, or `every` is not 1 or more.
+        """
+        port, channel = self._declare(name, size, message_type, metadata or {}, every)
+        self._inputs.append(_Input(channel, port, None, np.arange(size), False, encode, every))
         return port
 
     def Event(self, name: str, t: float) -> None:
@@ -291,9 +357,34 @@ class McapRecorder(LeafSystem):
             raise RecorderError(f"recorder: '{name}' comes after the first sample; add it before the diagram is built")
         self._topics.add(name)
 
+    def _declare(
+        self, name: str, size: int, message_type: str, metadata: Mapping[str, str], every: int
+    ) -> tuple[InputPort, int]:
+        """The port and the channel of a topic of its own."""
+        if every < 1:
+            raise RecorderError(f"recorder: '{name}' is to be recorded every {every} samples; give 1 or more")
+        self._take_topic(name)
+        return self.DeclareVectorInputPort(name, size), self._file.add_channel(f"/{name}", message_type, metadata)
+
+    def _add_template(
+        self,
+        channel: int,
+        port: InputPort,
+        template: CdrTemplate,
+        order: np.ndarray,
+        single_precision: bool,
+        every: int,
+    ) -> None:
+        kind = np.float32 if single_precision else float
+
+        def encode(t_ns: int, value: np.ndarray) -> bytes:
+            return template.encode(t_ns, value[order].astype(kind))
+
+        self._inputs.append(_Input(channel, port, template, order, single_precision, encode, every))
+
     def _start(self, context: Context, t_ns: int) -> None:
         """Checks the connections, fixes the layout of joint states, and writes what is written once."""
-        required = [*self._state_inputs.values(), *(port for *_, port in self._vector_inputs + self._wrench_inputs)]
+        required = [*self._state_inputs.values(), *(one.port for one in self._inputs)]
         if self._body_poses_input is not None:
             required.append(self._body_poses_input)
         for port in required:
@@ -302,13 +393,19 @@ class McapRecorder(LeafSystem):
         self._lay_out(context)
         if self._robot_description:
             self._file.write(self._description_channel, t_ns, ros2_messages.string_message(self._robot_description))
-        if self._static_bodies and self._body_poses_input is not None:
-            template = ros2_messages.tf_template(self._world_frame, list(self._static_bodies))
-            poses: Any = self._body_poses_input.Eval(context)
-            rows = PoseRows(len(self._static_bodies)).fill(
-                [poses[index].GetAsMatrix34() for index in self._static_bodies.values()]
-            )
+        still = self._still_frames(context)
+        if still:
+            template = ros2_messages.tf_template(self._world_frame, list(still))
+            rows = PoseRows(len(still)).fill([pose.GetAsMatrix34() for pose in still.values()])
             self._file.write(self._tf_static_channel, t_ns, template.encode(t_ns, rows))
+
+    def _still_frames(self, context: Context) -> dict[str, RigidTransform]:
+        """Name -> X_WF of every frame that does not move."""
+        frames: dict[str, RigidTransform] = {}
+        if self._static_bodies and self._body_poses_input is not None:
+            poses: Any = self._body_poses_input.Eval(context)
+            frames = {name: poses[index] for name, index in self._static_bodies.items()}
+        return frames | self._static_frames
 
     def _publish(self, context: Context) -> None:
         """Writes one sample of everything."""
@@ -324,53 +421,41 @@ class McapRecorder(LeafSystem):
                 "use a new recorder, and a new file, for each run"
             )
         self._last_ns = t_ns
-        for port, part in self._parts:
-            part[:] = port.Eval(context)
+        self._block.fill(context)
         # A sum, because it is several times faster than looking at each.
         if not math.isfinite(self._states.sum()) and not np.isfinite(self._states).all():
             return
         if self._bodies:
             poses: Any = self._body_poses_input.Eval(context)  # type: ignore[union-attr]
             self._poses[:] = self._pose_rows.fill([poses[index].GetAsMatrix34() for index in self._moving])
-        file.write_block(self._block, t_ns, self._values)
+        file.write_block(self._block.messages, t_ns, self._block.values)
+        for one in self._apart:
+            if self._samples % one.every == 0:
+                value: Any = one.port.Eval(context)
+                file.write(one.channel, t_ns, one.encode(t_ns, value))
+        self._samples += 1
 
     def _lay_out(self, context: Context) -> None:
         """Fixes which messages a sample has, and where in them each port's numbers go."""
-        messages: list[tuple[int, CdrTemplate]] = []
-        order: list[np.ndarray] = []  # Of each message, the places of its numbers among the values.
-        ports: list[tuple[InputPort, int]] = []
-        count = 0
-
-        def take(port: InputPort) -> np.ndarray:
-            nonlocal count
-            ports.append((port, port.size()))
-            count += port.size()
-            return np.arange(count - port.size(), count)
-
-        states = [take(port).reshape(2, -1) for port in self._state_inputs.values()]
-        state_count = count
+        block = self._block = SampleBlock()
+        states = [block.take(port).reshape(2, -1) for port in self._state_inputs.values()]
+        state_count = sum(state.size for state in states)
         if states:
             fields = [state[0] for state in states] + [state[1] for state in states]
             # JointState wants an effort for every joint or for none.
             effort = all(port.HasValue(context) for port in self._effort_inputs.values())
             if effort:
-                fields += [take(port) for port in self._effort_inputs.values()]
+                fields += [block.take(port) for port in self._effort_inputs.values()]
             template = ros2_messages.joint_state_template(self._joint_names, effort=effort)
-            messages.append((self._joint_states_channel, template))
-            order.append(np.concatenate(fields))
-        for channel, template, port in self._wrench_inputs:
-            messages.append((channel, template))
-            order.append(take(port)[[3, 4, 5, 0, 1, 2]])  # Force first.
-        for channel, template, port in self._vector_inputs:
-            messages.append((channel, template))
-            order.append(take(port))
+            block.add(self._joint_states_channel, template, np.concatenate(fields))
+        for one in self._inputs:
+            if one.template is not None and one.every == 1:
+                places = block.take(one.port)[one.order]
+                block.add(one.channel, one.template, places, single_precision=one.single_precision)
+        self._apart = [one for one in self._inputs if one.template is None or one.every > 1]
+        places = block.room(7 * len(self._bodies))
         if self._bodies:
-            messages.append((self._tf_channel, ros2_messages.tf_template(self._world_frame, list(self._bodies))))
-            order.append(np.arange(count, count + 7 * len(self._bodies)))
-            count += 7 * len(self._bodies)
-        self._values = np.empty(count)
-        self._states = self._values[:state_count]
-        self._poses = self._values[count - 7 * len(self._bodies) :].reshape(-1, 7)
-        ends = np.cumsum([size for _, size in ports], dtype=int)
-        self._parts = [(port, self._values[end - size : end]) for (port, size), end in zip(ports, ends, strict=True)]
-        self._block = MessageBlock(messages, np.concatenate([np.empty(0, dtype=int), *order]))
+            block.add(self._tf_channel, ros2_messages.tf_template(self._world_frame, list(self._bodies)), places)
+        block.finish()
+        self._states = block.values[:state_count]
+        self._poses = block.values[len(block.values) - len(places) :].reshape(-1, 7)
