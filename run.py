@@ -6,6 +6,7 @@
     python run.py inspect FILE                      what a recording holds, and whether a skill can be learned from it
     python run.py convert IN OUT                    any readable recording as CSV or MCAP
     python run.py recover FILE                      a complete recording of a run from one that was cut off
+    python run.py figures FILE.mcap                 the figures of a recorded run again, from its file alone
     python run.py studies                           the paper's figures and claims: what there is; --help tells more
     python run.py figures FILE.mcap                 the figures of a study again, from its file alone
 
@@ -19,7 +20,7 @@ from pathlib import Path
 from types import FrameType
 
 ROOT = Path(__file__).resolve().parent
-COMMANDS = ("inspect", "convert", "recover", "studies")
+COMMANDS = ("inspect", "convert", "recover", "figures", "studies")
 
 
 class Terminated(KeyboardInterrupt):

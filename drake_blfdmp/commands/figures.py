@@ -11,10 +11,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     """The command line after `figures`."""
     parser = argparse.ArgumentParser(
         prog="run.py figures",
-        description="Draw every figure of a study again, from its study.mcap alone. With the same versions of this\n"
-        "package and of matplotlib they are the same, byte for byte, as those that the study drew.",
-        epilog="Exit status: 0 all drawn; 2 bad input, or a figure that this version cannot draw.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Draw every figure of a recorded run again, from its file alone. With the same versions of this "
+        "package and of matplotlib they are the same, byte for byte, as those that the run drew.",
+        epilog="Exit status: 0 all drawn, 2 bad input.",
     )
     parser.add_argument("file", type=Path, metavar="FILE.mcap", help="what run.py recorded")
     parser.add_argument(
@@ -23,15 +22,20 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def draw_study(file: Path, folder: Path, progress: Progress) -> list[Path]:
-    """Draw the figures of a study's file to a folder; raises BlfDmpError where the file is bad."""
-    from drake_blfdmp.viewing.redrawing import redraw_study
+def draw_run(file: Path, folder: Path, progress: Progress) -> list[Path]:
+    """Draw the figures of a run's recording to a folder; raises BlfDmpError where the file is bad."""
+    from drake_blfdmp.recording.run_log_from_file import read_run_log
+    from drake_blfdmp.viewing.figures import write_figures
 
-    return redraw_study(file, folder, progress)
+    log = read_run_log(file, progress=lambda share: progress("reading", share))
+    progress("drawing figures", 0.0)
+    written = write_figures(log, folder)
+    progress("drawing figures", 1.0)
+    return written
 
 
 DRAWERS: Mapping[str, Callable[[Path, Path, Progress], list[Path]]] = {
-    "study": draw_study,
+    "run": draw_run,
 }
 """Metadata record -> what draws the recordings that have it; it makes the folder once it has read the file."""
 
@@ -50,15 +54,23 @@ def main(arguments: list[str], root: Path) -> int:
         BlfDmpError: the file cannot be read or is none of ours, or the folder is not empty or cannot be written to.
     """
     options = parse(arguments)
-    from drake_blfdmp.evaluation.carry_out import RefuseUsedFolder
+    from drake_blfdmp.commands.outputs import refuse_used_folder
+    from drake_blfdmp.errors import RecordingError
     from drake_blfdmp.evaluation.console import ProgressBar
+    from drake_blfdmp.recording.kind import find_record
 
     folder = options.out or options.file.with_name(f"{options.file.stem}-figures")
-    RefuseUsedFolder(folder)
+    kind = find_record(options.file, DRAWERS)
+    if kind is None:
+        raise RecordingError(
+            f"{options.file}: not one of this package's recordings (no metadata record "
+            f"{' or '.join(repr(name) for name in DRAWERS)}); give what run.py recorded"
+        )
+    refuse_used_folder("--out" if options.out else "figures", folder)
     bar = ProgressBar()
     try:
-        written = DRAWERS["study"](options.file, folder, bar)
+        written = DRAWERS[kind](options.file, folder, bar)
     finally:
         bar.finish()
-    print(f"{len(written)} files: {folder}")
+    print(f"{len(written)} figures: {folder}")
     return 0

@@ -14,7 +14,8 @@ def parse(arguments: list[str], description: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="run.py",
         description=description,
-        epilog="other commands, each with --help: run.py inspect FILE, run.py convert IN OUT, run.py studies",
+        epilog="other commands, each with --help: run.py inspect FILE, run.py convert IN OUT, run.py figures FILE.mcap, "
+        "run.py studies",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--scenario", type=Path, metavar="FILE", help="scenario (YAML); default: hold and place")

@@ -20,7 +20,9 @@ from drake_blfdmp.evaluation.summary import MakeSummary, dump
 from drake_blfdmp.planning.plan import MakePlan, Plan
 from drake_blfdmp.planning.scenario import DumpScenario, Scenario
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
+from drake_blfdmp.recording.planned_signals import MEASURED, measured_bytes
 from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.recording.run_log_from_file import read_run_log
 from drake_blfdmp.viewing.figures import write_figures
 from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat, write_scene_html
 from drake_blfdmp.viewing.skeleton_drawer import BAND_LEGEND, LEGEND, PERSON_LEGEND, SkeletonDrawer, SkeletonGhost
@@ -129,9 +131,10 @@ def CarryOut(
         # The clocks differ from run to run, the recording must not.
         timeless = {key: value for key, value in summary.items() if key != "timing"}
         recorder.AddAttachment("summary.json", dump(timeless), "application/json")
+        recorder.AddAttachment(MEASURED, measured_bytes(log.t, log.clearance), "application/octet-stream")
     (folder / "summary.json").write_text(dump(summary), encoding="utf-8")
     progress("drawing figures", 0.0)
-    write_figures(log, folder)
+    write_figures(read_run_log(recorder.path), folder)  # What the file does not have is not in the figures.
     progress("drawing figures", 1.0)
     return Run(plan, log, summary, folder)
 

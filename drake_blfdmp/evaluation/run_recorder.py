@@ -2,13 +2,12 @@
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Multiplexer
 
@@ -87,7 +86,7 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
         rate=plan.scenario.simulation.record_rate_hz,
         static_frames={PERSON: RigidTransform(GHOST_AT - plan.retarget.person)},  # pyright: ignore[reportArgumentType, reportCallIssue]
         robot_description=MakeSceneDescription(plan.box, plan.tables),
-        metadata=_metadata(plan),
+        metadata=_metadata(parts),
     )
     recorder.set_name("recorder")
     recorder.AddAttachment(ATTACHMENT, planned.to_bytes(), "application/octet-stream")
@@ -111,8 +110,17 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
     return recorder
 
 
-def _metadata(plan: Plan) -> dict[str, object]:
-    """The record "run": what the run was, and the names of its events."""
+def _palm_frames(parts: HoldAndPlace) -> dict[str, str]:
+    """Arm -> name under which its palm is recorded."""
+    arms = [parts.plant.GetModelInstanceName(arm) for arm in parts.arms]
+    names = {index: name for name, index in plant_names(parts.plant, arms).bodies.items()}
+    palms = palm_bodies(parts.plant, parts.arms)
+    return {arm: names[int(palm.index())] for arm, palm in zip(_ARMS, palms, strict=True)}
+
+
+def _metadata(parts: HoldAndPlace) -> dict[str, object]:
+    """The record "run": what the run was, and the names of its palms and events."""
+    plan = parts.plan
     scenario = plan.scenario
     simulation = scenario.simulation
     return {
@@ -126,6 +134,7 @@ def _metadata(plan: Plan) -> dict[str, object]:
         "skill_time_step_s": simulation.skill_time_step,
         "record_rate_hz": simulation.record_rate_hz,
         "duration_s": plan.duration_s,
+        **{f"{arm}_palm": frame for arm, frame in _palm_frames(parts).items()},
         **{f"version_{name}": value for name, value in versions().items()},
         **{f"event_{name}": t for name, t in PlannedEvents(plan)},
         **({} if plan.box is None else {f"carry_phase_{number}": name for number, name in enumerate(PHASES)}),
@@ -166,7 +175,7 @@ def _signals(
     if parts.palm_forces is not None:
         signals.append(Signal("palm_force", parts.palm_forces.get_output_port(), _ARMS, "N"))
     if parts.carry_phase is not None:
-        signals.append(Signal("carry_phase", parts.carry_phase.get_output_port(), ["phase"], "1"))
+        signals.append(Signal("carry_phase", parts.carry_phase.get_output_port(), ["phase"], "1", slow=True))
     if planned.box is not None:
         box = builder.AddNamedSystem("planned_box", PlannedPose(t=planned.clock, poses=planned.box))
         builder.Connect(clock, box.get_input_port())
@@ -196,28 +205,20 @@ def _together(builder: DiagramBuilder, name: str, *ports: OutputPort) -> OutputP
     return joined.get_output_port()
 
 
-def _contact_pairs(parts: HoldAndPlace, box: RigidBody) -> Mapping[str, ContactPair]:
-    """What the box does to each palm, and the tables to the box."""
-    palms = palm_bodies(parts.plant, parts.arms)
-    tables = tuple(parts.plant.GetBodyByName(table.name) for table in parts.plan.tables)
-    return {
-        **{f"{arm}_palm": ContactPair(palm, (box,)) for arm, palm in zip(_ARMS, palms, strict=True)},
-        "box": ContactPair(box, tables),
-    }
-
-
 def _add_contact(builder: DiagramBuilder, parts: HoldAndPlace, recorder: McapRecorder) -> None:
+    """What the box does to each palm, and the tables to the box."""
     if parts.box is None:
         return
-    plant, pairs = parts.plant, _contact_pairs(parts, parts.box)
-    names = plant_names(plant, [plant.GetModelInstanceName(arm) for arm in parts.arms]).bodies
-    frames = {index: name for name, index in names.items()}
+    plant, box, palms = parts.plant, parts.box, palm_bodies(parts.plant, parts.arms)
+    tables = tuple(plant.GetBodyByName(table.name) for table in parts.plan.tables)
+    pairs = {f"{arm}_palm": ContactPair(palm, (box,)) for arm, palm in zip(_ARMS, palms, strict=True)}
+    pairs["box"] = ContactPair(box, tables)
+    frames = {f"{arm}_palm": frame for arm, frame in _palm_frames(parts).items()} | {"box": box.name()}
     wrenches = builder.AddNamedSystem("contact_wrenches", ContactWrenches(pairs=pairs))
     builder.Connect(plant.get_contact_results_output_port(), wrenches.GetInputPort("contact_results"))
     builder.Connect(plant.get_body_poses_output_port(), wrenches.GetInputPort("body_poses"))
-    for name, pair in pairs.items():
-        frame = frames[int(pair.body.index())]
-        port = recorder.AddWrenchInput(f"contact/{name}", frame, single_precision=True)
+    for name in pairs:
+        port = recorder.AddWrenchInput(f"contact/{name}", frames[name], single_precision=True)
         builder.Connect(wrenches.GetOutputPort(name), port)
 
 

@@ -1,8 +1,9 @@
 """What a run's figures need that is no signal of it: known before it starts, by the skill's clock. Without pydrake."""
 
 import io
-import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from drake_blfdmp.recording.mcap_file import RecorderError
 
 ATTACHMENT = "planned.npz"
 """Name under which a recording holds it."""
+
+MEASURED = "measured.npz"
+"""Name under which it holds what was measured once the run was over."""
 
 MOST_SAMPLES = 20_000
 """More are not kept; those that are lie evenly in the run."""
@@ -57,14 +61,8 @@ class PlannedSignals:
 
     def to_bytes(self) -> bytes:
         """As `numpy.savez` writes it, numbers in single precision but for the clock; the same signals, the same bytes."""
-        arrays = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is not None:
-                arrays[field.name] = np.asarray(value, dtype=float if field.name == "clock" else np.float32)
-        stream = io.BytesIO()
-        np.savez(stream, allow_pickle=False, **arrays)
-        return stream.getvalue()
+        arrays = {field.name: getattr(self, field.name) for field in fields(self)}
+        return _packed({name: value for name, value in arrays.items() if value is not None}, exact=("clock",))
 
 
 def read_planned(data: bytes, where: str) -> PlannedSignals:
@@ -77,17 +75,48 @@ def read_planned(data: bytes, where: str) -> PlannedSignals:
     Raises:
         RecorderError: it is no such attachment.
     """
+    arrays = _unpacked(data, where, ATTACHMENT)
+    found: dict[str, Any] = {field.name: arrays.get(field.name) for field in fields(PlannedSignals)}
+    signals = PlannedSignals(**found)
+    try:
+        _check(signals)
+    except ValueError as error:
+        raise _not_ours(where, ATTACHMENT, error) from None
+    return signals
+
+
+def measured_bytes(t: np.ndarray, clearance: np.ndarray) -> bytes:
+    """The attachment `MEASURED`: times (N,), s, and the least distances (N,) then, m."""
+    return _packed({"t": t, "clearance": clearance}, exact=("t",))
+
+
+def read_measured(data: bytes, where: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times (N,), s, and clearances (N,), m, of an attachment `MEASURED` of the file `where`; raises as `read_planned`."""
+    arrays = _unpacked(data, where, MEASURED)
+    t, clearance = arrays.get("t"), arrays.get("clearance")
+    if t is None or clearance is None or t.ndim != 1 or len(t) == 0 or t.shape != clearance.shape:
+        raise _not_ours(where, MEASURED, ValueError("it needs t and clearance of one length"))
+    return t, clearance
+
+
+def _packed(arrays: Mapping[str, np.ndarray], exact: tuple[str, ...]) -> bytes:
+    stream = io.BytesIO()
+    kinds = {name: float if name in exact else np.float32 for name in arrays}
+    np.savez(stream, allow_pickle=False, **{name: np.asarray(value, kinds[name]) for name, value in arrays.items()})
+    return stream.getvalue()
+
+
+def _unpacked(data: bytes, where: str, name: str) -> dict[str, np.ndarray]:
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            arrays = {name: np.asarray(file[name], dtype=float) for name in file.files}
-        signals = PlannedSignals(**{field.name: arrays.get(field.name) for field in fields(PlannedSignals)})  # pyright: ignore[reportArgumentType]
-        _check(signals)
-    except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile, NotImplementedError) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise RecorderError(
-            f"{where}: the attachment {ATTACHMENT} is not what a run has ({reason}); record the run anew"
-        ) from None
-    return signals
+            return {key: np.asarray(file[key], dtype=float) for key in file.files}
+    except Exception as error:  # Arbitrary bytes make the reader raise almost anything.
+        raise _not_ours(where, name, error) from None
+
+
+def _not_ours(where: str, name: str, error: Exception) -> RecorderError:
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return RecorderError(f"{where}: the attachment {name} is not what a run has ({reason}); record the run anew")
 
 
 def _check(signals: PlannedSignals) -> None:

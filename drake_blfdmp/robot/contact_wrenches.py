@@ -1,15 +1,14 @@
 """What contact does to a body as one wrench: force and torque in its own frame, at its origin."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from pydrake.geometry import GeometryId
 from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ContactResults
 from pydrake.multibody.tree import RigidBody
-
-from drake_blfdmp.vectors import cross
 
 
 class ContactPair(NamedTuple):
@@ -20,12 +19,11 @@ class ContactPair(NamedTuple):
 
 
 class PointForce(NamedTuple):
-    """One contact: on which body, from which (indices), and force (N), torque (N m) and point of application (m) in W."""
+    """One contact: on which body, from which (indices), as a spatial force in W at a point (3,), m in W."""
 
     on: int
     by: int
-    force: np.ndarray
-    torque: np.ndarray
+    force: SpatialForce
     point: np.ndarray
 
 
@@ -49,19 +47,18 @@ def point_forces(contact_results: ContactResults, bodies: Mapping[GeometryId, in
         surface = info.contact_surface()
         on, by = bodies.get(surface.id_M()), bodies.get(surface.id_N())  # M is of A.
         if on is not None and by is not None:
-            wrench = info.F_Ac_W().get_coeffs()
-            found.append(PointForce(on, by, wrench[3:], wrench[:3], np.asarray(surface.centroid())))
+            found.append(PointForce(on, by, info.F_Ac_W(), surface.centroid()))
     for i in range(contact_results.num_point_pair_contacts()):
         info = contact_results.point_pair_contact_info(i)
         pair = info.point_pair()
         by, on = bodies.get(pair.id_A), bodies.get(pair.id_B)
         if on is not None and by is not None:
-            force = np.asarray(info.contact_force())
-            found.append(PointForce(on, by, force, np.zeros(3), np.asarray(info.contact_point())))
+            force = SpatialForce(tau=np.zeros(3), f=info.contact_force())
+            found.append(PointForce(on, by, force, info.contact_point()))
     return found
 
 
-def wrench_on(forces: Sequence[PointForce], body: int, others: Sequence[int], X_WB: RigidTransform) -> np.ndarray:
+def wrench_on(forces: Sequence[PointForce], body: int, others: Container[int], X_WB: RigidTransform) -> np.ndarray:
     """Sum of the contacts of a body with others, moved to its origin.
 
     Args:
@@ -72,17 +69,16 @@ def wrench_on(forces: Sequence[PointForce], body: int, others: Sequence[int], X_
     Returns:
         (6,) torque (N m), then force (N), as in Drake's SpatialForce: expressed in B, the force applied at B's origin.
     """
-    total = np.zeros(6)
-    origin = X_WB.translation()
+    total, origin = None, X_WB.translation()
     for one in forces:
         if one.on == body and one.by in others:
-            sign = 1.0
+            force = one.force
         elif one.by == body and one.on in others:
-            sign = -1.0  # What acts on the other acts back.
+            force = -one.force  # What acts on the other acts back.
         else:
             continue
-        total[:3] += sign * (one.torque + cross(one.point - origin, one.force))
-        total[3:] += sign * one.force
-    if not total.any():
-        return total
-    return (total.reshape(2, 3) @ X_WB.rotation().matrix()).ravel()  # R_BW times a column, as rows.
+        moved = force.Shift(origin - one.point)
+        total = moved if total is None else total + moved
+    if total is None:
+        return np.zeros(6)
+    return (total.get_coeffs().reshape(2, 3) @ X_WB.rotation().matrix()).ravel()  # R_BW times columns, as rows.

@@ -3,8 +3,6 @@
 import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from drake_blfdmp.quaternions import interpolated_poses
-
 
 class PlannedPose(LeafSystem):
     """A pose looked up by a clock.
@@ -17,16 +15,17 @@ class PlannedPose(LeafSystem):
         output_ports:
         - pose
 
-    No state. `clock` (2) as from SkillClock; `pose` (7) is X_WB as qw qx qy qz x y z.
+    No state. `clock` (2) as from SkillClock; `pose` (7) is X_WB as qw qx qy qz x y z, that of the nearest time.
     """
 
     def __init__(self, *, t: np.ndarray, poses: np.ndarray):
         """Of growing times (N,), s, and the poses (N, 7) then."""
         super().__init__()
-        self._t, self._poses = t, poses
+        self._poses = poses
+        self._middles = (t[1:] + t[:-1]) / 2
         self._clock = self.DeclareVectorInputPort("clock", 2)
         self.DeclareVectorOutputPort("pose", 7, self._calc)
 
     def _calc(self, context, output):
-        clock = np.asarray(self._clock.Eval(context))[1:]
-        output.SetFromVector(interpolated_poses(self._t, self._poses, clock)[0])
+        nearest = np.searchsorted(self._middles, np.asarray(self._clock.Eval(context))[1])
+        output.SetFromVector(self._poses[nearest])

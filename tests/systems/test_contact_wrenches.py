@@ -11,6 +11,7 @@ from pydrake.geometry import (
     Sphere,
 )
 from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
@@ -118,7 +119,8 @@ def test_what_acts_on_the_block_acts_back_on_the_slab(resting):
 
 
 def test_the_other_bodies_contacts_do_not_count():
-    contact = PointForce(1, 2, np.array([0.0, 0.0, 5.0]), np.zeros(3), np.array([1.0, 0.0, 0.0]))
+    push = SpatialForce(tau=np.zeros(3), f=np.array([0.0, 0.0, 5.0]))
+    contact = PointForce(1, 2, push, np.array([1.0, 0.0, 0.0]))
     np.testing.assert_array_equal(wrench_on([contact], 1, {3}, RigidTransform()), 0.0)
     np.testing.assert_array_equal(wrench_on([contact], 3, {1, 2}, RigidTransform()), 0.0)
     np.testing.assert_allclose(wrench_on([contact], 1, {2}, RigidTransform()), [0, -5, 0, 0, 0, 5])

@@ -27,6 +27,8 @@ def read_bag(bag: Bag, joints: Joints | None) -> RawRecording:
         RecordingError: no topic may hold a person, or none does; then what stands against the first.
     """
     with_messages = [topic for topic in bag.topics.values() if topic.messages]
+    if "run" in bag.metadata:  # Its markers show /points again, and fewer of them.
+        with_messages = [topic for topic in with_messages if topic.name != SKELETON_TOPIC]
     refusal: RecordingError | None = None
     for kind in (MARKER_ARRAY, MARKER, TF, JOINT_STATE):
         topics = [topic for topic in with_messages if topic.type == kind]
