@@ -154,7 +154,7 @@ def test_the_recording_decodes_with_metadata_events_and_attachments(default_run,
     assert entries["law"] == "default"
     assert entries["synthetic"].lower() == "true"
     assert {"version_drake", "event_hold"} <= set(entries)
-    assert set(run.attachments) == {"scenario.yaml", "skill.json", "summary.json"}
+    assert set(run.attachments) == {"scenario.yaml", "skill.json", "summary.json", "planned.npz", "measured.npz"}
     assert run.attachments["scenario.yaml"] == (default_run.folder / "scenario.yaml").read_bytes()
     timeless = {key: value for key, value in summary.items() if key != "timing"}
     assert json.loads(run.attachments["summary.json"]) == timeless

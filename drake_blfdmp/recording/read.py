@@ -8,7 +8,7 @@ import numpy as np
 from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.samples import LAYOUTS, constant_bytes, shaped, text_of
 from drake_blfdmp.recording.stream import McapStream, Topic
-from drake_blfdmp.ros2.messages import LOG, STRING
+from drake_blfdmp.ros2.messages import LOG, MARKERS, STRING
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def read_mcap(filename: str | Path, *, recover: bool = False) -> McapRun:
                 events.extend(zip(texts, (t * 1e-9 for t in messages.times), strict=True))
             elif kind in LAYOUTS:
                 series[name] = _series(messages)
-            else:
+            elif kind != MARKERS:  # They draw what other topics have as numbers.
                 raise ValueError(f"messages of type '{kind}'")
         except (ValueError, IndexError) as error:
             raise RecorderError(

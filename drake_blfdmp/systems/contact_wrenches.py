@@ -51,9 +51,5 @@ class ContactWrenches(LeafSystem):
 
     def _calc(self, context, value):
         forces = point_forces(self._results.Eval(context), self._bodies)
-        wrenches = np.zeros((len(self._pairs), 6))
-        if forces:
-            poses = self._poses.Eval(context)
-            for k, (body, others) in enumerate(self._pairs):
-                wrenches[k] = wrench_on(forces, body, others, poses[body])
-        value.set_value(wrenches)
+        poses = self._poses.Eval(context)
+        value.set_value(np.array([wrench_on(forces, body, others, poses[body]) for body, others in self._pairs]))

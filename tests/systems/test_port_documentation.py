@@ -15,13 +15,20 @@ from pydrake.systems.framework import LeafSystem
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace
 from drake_blfdmp.recording.event_recorder import EventRecorder
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
+from drake_blfdmp.robot.contact import palm_bodies
+from drake_blfdmp.robot.contact_wrenches import ContactPair
+from drake_blfdmp.ros2.messages import STRING
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.skill.orientation import OrientationSkill
-from drake_blfdmp.systems.live_goal import LiveGoal
-from drake_blfdmp.systems.live_push import LivePush
+from drake_blfdmp.systems.arm_swivels import ArmSwivels
+from drake_blfdmp.systems.contact_wrenches import ContactWrenches
+from drake_blfdmp.systems.link_lengths import LinkLengths
 from drake_blfdmp.systems.orientation_system import OrientationSystem
+from drake_blfdmp.systems.passed_times import PassedTimes
+from drake_blfdmp.systems.planned_pose import PlannedPose
 from drake_blfdmp.systems.point_coupler import PointCoupler
+from drake_blfdmp.systems.skill_clock import SkillClock
 from drake_blfdmp.systems.timed_push import TimedPush
 from drake_blfdmp.viewing.meshcat_scene import start_meshcat
 from drake_blfdmp.viewing.skeleton_drawer import SkeletonDrawer, SkeletonGhost
@@ -89,6 +96,7 @@ def systems(default_plan, tmp_path_factory):
     )
     recorder.AddVectorInput("vector", 1, ["x"], "m")
     recorder.AddWrenchInput("wrench", "world")
+    recorder.AddMessageInput("message", 1, STRING, lambda t_ns, value: b"")
     recorder.Close()
     found["EventRecorder"] = EventRecorder(recorder=recorder, names=["a"])
     found["McapRecorder"] = recorder
@@ -96,6 +104,13 @@ def systems(default_plan, tmp_path_factory):
     unit = np.array([1.0, 0.0, 0.0, 0.0])
     turning = replace(skill, orientation=OrientationSkill(np.zeros((len(skill.centers), 3)), unit, unit))
     found["OrientationSystem"] = OrientationSystem(skill=turning, time_step=0.004)
+    found["LinkLengths"] = LinkLengths()
+    found["SkillClock"] = SkillClock(tau=1.0)
+    found["PassedTimes"] = PassedTimes(times=[1.0])
+    found["PlannedPose"] = PlannedPose(t=np.array([0.0, 1.0]), poses=np.zeros((2, 7)))
+    found["ArmSwivels"] = ArmSwivels(plant=parts.plant, arms=parts.arms)
+    palms = palm_bodies(parts.plant, parts.arms)
+    found["ContactWrenches"] = ContactWrenches(pairs={"pair": ContactPair(palms[0], (parts.box,))})
     push = {"force": [1.0, 0.0, 0.0], "start_s": 0.0, "duration_s": 1.0}
     found["TimedPush"] = TimedPush(body=parts.box, **push)
     found["LivePush"] = LivePush(body=parts.box)
@@ -113,9 +128,14 @@ def test_there_are_as_many_as_the_architecture_says():
 def test_the_block_lists_the_real_ports_in_their_order(name, systems):
     assert name in systems, f"make one of {name} in this file's fixture, so that its ports can be compared"
     inputs, outputs = documented(BLOCKS[name])
-    aliases = {"<name given to AddVectorInput>": "vector", "<name given to AddWrenchInput>": "wrench"}
+    aliases = {
+        "<name given to AddVectorInput>": "vector",
+        "<name given to AddWrenchInput>": "wrench",
+        "<name given to AddMessageInput>": "message",
+        "<name of a pair>": "pair",
+    }
     inputs = [aliases.get(port, port) for port, _ in inputs]
-    assert (inputs, [port for port, _ in outputs]) == real(systems[name])
+    assert (inputs, [aliases.get(port, port) for port, _ in outputs]) == real(systems[name])
     assert not any(optional for _, optional in outputs_of(name))
 
 
