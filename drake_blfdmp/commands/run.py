@@ -14,7 +14,7 @@ def parse(arguments: list[str], description: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="run.py",
         description=description,
-        epilog="other commands, each with --help: run.py inspect FILE, run.py convert IN OUT, run.py figures FILE.mcap, "
+        epilog="other commands, each with --help: run.py inspect FILE, run.py convert IN OUT, run.py figures FILE, "
         "run.py studies",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

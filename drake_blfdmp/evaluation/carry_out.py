@@ -33,6 +33,7 @@ Progress = Callable[[str, float], None]
 MOST_SCENE_FRAMES = 1000
 """A scene has no more; one of them takes about 5 kB."""
 
+
 @dataclass(frozen=True)
 class Run:
     """What a run left behind."""

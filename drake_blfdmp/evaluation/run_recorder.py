@@ -1,4 +1,4 @@
-"""What is recorded of a run: the list of its signals, and the systems that make them; docs/mcap_topics.md for people."""
+"""What is recorded of a run: its signals, and the systems that make them; docs/mcap_topics.md lists them for people."""
 
 import hashlib
 import math
@@ -146,9 +146,7 @@ def _every(plan: Plan) -> int:
     return math.ceil(plan.scenario.simulation.record_rate_hz / SLOW_RATE - 1e-9)
 
 
-def _signals(
-    builder: DiagramBuilder, parts: HoldAndPlace, planned: PlannedSignals, clock: OutputPort
-) -> list[Signal]:
+def _signals(builder: DiagramBuilder, parts: HoldAndPlace, planned: PlannedSignals, clock: OutputPort) -> list[Signal]:
     """Every topic of named numbers."""
     skill = parts.skill
     signals = [

@@ -66,7 +66,9 @@ def read_run_log(
                 decoder, links = decoders[topic.name]
                 table.put(topic.name, _numbers(decoder.decode(0.0, message.data), links))
         except (ValueError, IndexError, struct.error) as error:
-            raise RecorderError(f"{path}: {topic.name}: {error}; figures need a recording as run.py writes it") from None
+            raise RecorderError(
+                f"{path}: {topic.name}: {error}; figures need a recording as run.py writes it"
+            ) from None
     check_run(path, stream.metadata)
     if ATTACHMENT not in stream.attachments:
         raise RecorderError(f"{path}: the attachment {ATTACHMENT} is missing, which every run has; record the run anew")

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import recorded_run as run
 from mcap.reader import make_reader
+from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import LogVectorOutput
+from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -21,6 +22,7 @@ from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.read import read_mcap
 from drake_blfdmp.recording.recover import recover
+from drake_blfdmp.ros2.messages import STRING, string_message
 
 TIMES = np.arange(0, 1_000_000_001, 10_000_000)  # ns
 
@@ -147,6 +149,46 @@ def test_unconnected_port_is_named(path, port):
         run.record(path, leave_out=(port,))
 
 
+def test_inputs_that_are_rounded_slow_or_messages_of_ones_own(path):
+    builder = DiagramBuilder()
+    value = np.array([1.0 / 3.0, np.pi, 1e-9])
+    source = builder.AddSystem(ConstantVectorSource(value))
+    wrench = builder.AddSystem(ConstantVectorSource(np.arange(1.0, 7.0) / 3.0))
+    recorder = builder.AddSystem(
+        McapRecorder(
+            filename=path,
+            bodies={"arm": 0},
+            static_frames={"person": RigidTransform(RollPitchYaw(0.0, 0.0, np.pi / 2), [1.0, 2.0, 3.0])},
+        )
+    )
+    poses = builder.AddSystem(run.Signals(np.inf))
+    builder.Connect(poses.GetOutputPort("body_poses"), recorder.GetInputPort("body_poses"))
+    names = ["a", "b", "c"]
+    ports = [
+        recorder.AddVectorInput("exact", 3, names, "m"),
+        recorder.AddVectorInput("rounded", 3, names, "m", single_precision=True, every=4),
+        recorder.AddMessageInput("text", 3, STRING, lambda t_ns, x: string_message(f"{t_ns} {x[1]:.3f}"), every=2),
+    ]
+    for port in ports:
+        builder.Connect(source.get_output_port(), port)
+    builder.Connect(wrench.get_output_port(), recorder.AddWrenchInput("push", "arm", single_precision=True))
+    with recorder:
+        Simulator(builder.Build()).AdvanceTo(0.1)
+    messages, _ = decode(path)
+    assert all(np.array_equal(message.position, value) for _, message in messages["/exact"])
+    assert [time for time, _ in messages["/exact"]] == list(TIMES[:11])
+    assert [time for time, _ in messages["/rounded"]] == list(TIMES[:11:4])
+    assert all(np.array_equal(m.position, np.float32(value)) for _, m in messages["/rounded"])
+    assert [message.data for _, message in messages["/text"]] == [f"{time} 3.142" for time in TIMES[:11:2]]
+    force = messages["/push"][0][1].wrench.force
+    np.testing.assert_array_equal([force.x, force.y, force.z], np.float32([4 / 3, 5 / 3, 2.0]))
+    [person] = messages["/tf_static"][0][1].transforms
+    assert (person.header.frame_id, person.child_frame_id) == ("world", "person")
+    where, turn = person.transform.translation, person.transform.rotation
+    assert (where.x, where.y, where.z) == (1.0, 2.0, 3.0)
+    np.testing.assert_allclose([turn.z, turn.w], np.sqrt(0.5), rtol=1e-6)
+
+
 def test_an_exception_in_the_run_leaves_a_complete_file(path):
     diagram, recorder = run.make_run(path, fail_at=0.305)
     with pytest.raises(ZeroDivisionError, match="controller broke"), recorder:
@@ -209,6 +251,7 @@ def test_time_that_runs_back_is_refused(path):
         ({"chunk_duration": -1.0}, "chunk_duration"),
         ({"joints": {"left": ["a"], "right": ["a"]}}, "joint name 'a'"),
         ({"bodies": {"a": 1}, "static_bodies": {"a": 2}}, "body name 'a'"),
+        ({"static_bodies": {"a": 2}, "static_frames": {"a": RigidTransform()}}, "body name 'a'"),
     ],
 )
 def test_unusable_arguments_create_no_file(path, options, message):
@@ -230,6 +273,8 @@ def test_unusable_inputs(path):
             recorder.AddVectorInput("new", 2, ["a"], "m")
         with pytest.raises(RecorderError, match="element name 'a'"):
             recorder.AddVectorInput("new", 2, ["a", "a"], "m")
+        with pytest.raises(RecorderError, match="every 0 samples; give 1 or more"):
+            recorder.AddVectorInput("new", 1, ["a"], "m", every=0)
         with pytest.raises(RecorderError, match="no unit"):
             recorder.AddVectorInput("new", 1, ["a"], "")
         for t in (-1.0, np.nan):

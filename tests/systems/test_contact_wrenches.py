@@ -45,7 +45,9 @@ class Resting:
         plant, _ = AddMultibodyPlant(ContactPlantConfig(), builder)
         self.slabs = []
         for k, name in enumerate(("left", "right")):
-            slab = plant.AddRigidBody(name, plant.AddModelInstance(name), SpatialInertia.SolidBoxWithMass(1.0, 1.0, 1.0, 0.1))
+            slab = plant.AddRigidBody(
+                name, plant.AddModelInstance(name), SpatialInertia.SolidBoxWithMass(1.0, 1.0, 1.0, 0.1)
+            )
             plant.WeldFrames(plant.world_frame(), slab.body_frame(), RigidTransform([k - 0.5, 0.0, -0.05]))
             shape = Box(1.0, 1.0, 0.1)
             plant.RegisterCollisionGeometry(slab, RigidTransform(), shape, name, _properties(hydroelastic, True))
