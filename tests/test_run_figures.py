@@ -1,15 +1,12 @@
 """`run.py figures` as a person uses it."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
+from rewritten import rewrite
 
-sys.path.insert(0, str(Path(__file__).parent / "recording"))
-from rewritten import rewrite  # noqa: E402
-
-from drake_blfdmp.viewing.figures import FIGURES  # noqa: E402
+from drake_blfdmp.viewing.figures import FIGURES
 
 
 @pytest.fixture

@@ -60,7 +60,7 @@ class PlannedSignals:
         return None if self.box is None else interpolated_poses(self.clock, self.box, clock)
 
     def to_bytes(self) -> bytes:
-        """As `numpy.savez` writes it, numbers in single precision but for the clock; the same signals, the same bytes."""
+        """As `numpy.savez` writes it, in single precision but for the clock; the same signals give the same bytes."""
         arrays = {field.name: getattr(self, field.name) for field in fields(self)}
         return _packed({name: value for name, value in arrays.items() if value is not None}, exact=("clock",))
 
@@ -91,7 +91,7 @@ def measured_bytes(t: np.ndarray, clearance: np.ndarray) -> bytes:
 
 
 def read_measured(data: bytes, where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times (N,), s, and clearances (N,), m, of an attachment `MEASURED` of the file `where`; raises as `read_planned`."""
+    """Times (N,), s, and clearances (N,), m, of the attachment `MEASURED` of a file; raises as `read_planned`."""
     arrays = _unpacked(data, where, MEASURED)
     t, clearance = arrays.get("t"), arrays.get("clearance")
     if t is None or clearance is None or t.ndim != 1 or len(t) == 0 or t.shape != clearance.shape:

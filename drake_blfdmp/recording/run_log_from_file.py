@@ -66,9 +66,7 @@ def read_run_log(
                 decoder, links = decoders[topic.name]
                 table.put(topic.name, _numbers(decoder.decode(0.0, message.data), links))
         except (ValueError, IndexError, struct.error) as error:
-            raise RecorderError(
-                f"{path}: {topic.name}: {error}; figures need a recording as run.py writes it"
-            ) from None
+            raise RecorderError(f"{path}: {topic.name}: {error}; give a run.mcap that run.py wrote") from None
     check_run(path, stream.metadata)
     if ATTACHMENT not in stream.attachments:
         raise RecorderError(f"{path}: the attachment {ATTACHMENT} is missing, which every run has; record the run anew")
@@ -83,7 +81,7 @@ def check_run(path: Path, metadata: Mapping[str, Mapping[str, str]]) -> None:
     """Raises RecorderError where a file's metadata are no run's."""
     if RECORD not in metadata:
         raise RecorderError(
-            f"{path}: not a recording of a run (it has no metadata record '{RECORD}'); give a run.mcap that run.py wrote"
+            f"{path}: not a recording of a run (no metadata record '{RECORD}'); give a run.mcap that run.py wrote"
         )
     if "kind" not in metadata[RECORD]:
         raise RecorderError(
@@ -130,7 +128,7 @@ def _check(path: Path, t: np.ndarray, signals: Mapping[str, np.ndarray], planned
             )
     if len(t) < 2:
         raise RecorderError(
-            f"{path}: holds {len(t)} whole sample{'s' * (len(t) != 1)}, so it has no duration; record a run that goes on"
+            f"{path}: holds {len(t)} whole sample{'s' * (len(t) != 1)}, so no duration; record a run that goes on"
         )
 
 

@@ -1,6 +1,7 @@
 """The swivel angles that both arms have, as a Drake system."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -40,7 +41,7 @@ class ArmSwivels(LeafSystem):
         self.DeclareVectorOutputPort("swivel", len(arms), self._calc)
 
     def _calc(self, context, output):
-        poses = self._poses.Eval(context)
+        poses: Any = self._poses.Eval(context)
         points = np.array(
             [
                 poses[body].translation() if place is None else poses[body].multiply(place)

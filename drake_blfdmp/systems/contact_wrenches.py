@@ -1,6 +1,7 @@
 """What contact does to bodies, as wrenches, as a Drake system."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -45,11 +46,15 @@ class ContactWrenches(LeafSystem):
             self.DeclareVectorOutputPort(
                 name,
                 6,
-                lambda context, output, k=k: output.SetFromVector(self._wrenches.Eval(context)[k]),
+                lambda context, output, k=k: output.SetFromVector(self._evaluated(context)[k]),
                 {self._wrenches.ticket()},
             )
 
+    def _evaluated(self, context) -> np.ndarray:
+        wrenches: Any = self._wrenches.Eval(context)
+        return wrenches
+
     def _calc(self, context, value):
         forces = point_forces(self._results.Eval(context), self._bodies)
-        poses = self._poses.Eval(context)
+        poses: Any = self._poses.Eval(context)
         value.set_value(np.array([wrench_on(forces, body, others, poses[body]) for body, others in self._pairs]))

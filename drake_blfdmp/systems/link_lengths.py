@@ -23,7 +23,7 @@ class LinkLengths(LeafSystem):
         - link_lengths
 
     No state. `position` (18) is in the order of `skeleton.POINTS`, m; `bands` (30) as from DistanceBands.
-    `link_lengths` (15), m: the lengths (5) in the order of `skeleton.LINKS`, then the lower (5) and the upper limits (5).
+    `link_lengths` (15), m: the lengths in the order of `skeleton.LINKS`, then the lower and the upper limits.
     """
 
     def __init__(self):

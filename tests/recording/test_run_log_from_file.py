@@ -127,12 +127,12 @@ def only(topic, change):
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"message": lambda name, t, data: (t, data) if t == 0 else None}, "1 whole sample, so it has no duration"),
+        ({"message": lambda name, t, data: (t, data) if t == 0 else None}, "1 whole sample, so no duration"),
         ({"message": only("/points", lambda t, data: (10**8 - t, data))}, "time goes back from 0.1 s"),
         ({"message": lambda name, t, data: (10**8 - t if t in (10**7, 9 * 10**7) else t, data)}, "time goes back from"),
         ({"message": only("/swivel", lambda t, data: None)}, "has no topic /swivel, which every run has"),
         ({"message": only("/phase", lambda t, data: (t, data[:-8]))}, "/phase: "),
-        ({"schema": lambda topic, name: "my_msgs/msg/New" if topic == "/hands" else name}, "/hands: its messages are of"),
+        ({"schema": lambda topic, name: "my/msg/New" if topic == "/hands" else name}, "/hands: its messages are of"),
         ({"metadata": lambda name, entries: None}, "not a recording of a run"),
         ({"metadata": lambda name, entries: {"seed": "0"}}, "recorded by an older version"),
         ({"metadata": lambda name, entries: entries | {"left_palm": "claw"}}, "/tf: the frame 'claw' is missing"),

@@ -57,7 +57,10 @@ class Resting:
         shapes = {"block": (CENTER, Box(*SIZE))}
         if not hydroelastic:  # A box has one point of contact, on which it rocks; four feet stand.
             shapes = {
-                f"foot {x} {y}": (CENTER + [x * SIZE[0] / 2, y * SIZE[1] / 2, FOOT - SIZE[2] / 2], Sphere(FOOT))
+                f"foot {x} {y}": (
+                    CENTER + np.array([x * SIZE[0] / 2, y * SIZE[1] / 2, FOOT - SIZE[2] / 2]),
+                    Sphere(FOOT),
+                )
                 for x in (-1, 1)
                 for y in (-1, 1)
             }
@@ -112,7 +115,7 @@ def test_what_two_bodies_do_adds_up(resting):
 
 def test_what_acts_on_the_block_acts_back_on_the_slab(resting):
     """Both brought to the world's origin and axes, which lies elsewhere than either body's."""
-    for name, slab, X_WS in zip(("left", "right"), resting.slabs, resting.X_WS, strict=True):
+    for name, X_WS in zip(("left", "right"), resting.X_WS, strict=True):
         total = np.zeros(6)
         for wrench, X in ((resting[f"block_{name}"], resting.X_WB), (resting[name], X_WS)):
             torque, force = X.rotation().matrix() @ wrench[:3], X.rotation().matrix() @ wrench[3:]
