@@ -266,3 +266,13 @@ def test_real_bag_cut_anywhere_is_refused(tmp_path):
         path = tmp_path / "cut.bag"
         path.write_bytes(content[:end])
         refused("cut off or damaged before byte", path)
+
+
+def test_a_truncated_mcap_says_where_and_what_to_do(tmp_path):
+    topics = {"/chatter": ("std_msgs/msg/String", lambda types: [(5, types["std_msgs/msg/String"]("hello"))])}
+    [whole] = samples.write_bag2(tmp_path / "bag", topics, storage="mcap").glob("*.mcap")
+    content = whole.read_bytes()
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(content[:-20])
+    refused(f"of {len(content) - 20}, whole up to t = 5e-09 s; run python run.py recover {path}", path)
+    refused("cut.mcap: truncated at byte ", path)

@@ -3,6 +3,9 @@
 Among them are this package's own: its recordings (`/skeleton`, see `mcap_writer`) and its runs (`/points`).
 """
 
+import shlex
+import struct
+from io import BytesIO
 from pathlib import Path
 
 from drake_blfdmp.demonstration.formats.recording_format import Joints
@@ -45,39 +48,59 @@ def add_mcap(bag: Bag, path: Path, named: Path) -> None:
     Raises:
         RecordingError: a damaged file, or more messages than fit.
     """
-    from mcap.records import Channel, McapRecord, Message, Metadata, Schema
-    from mcap.stream_reader import StreamReader
+    from mcap.data_stream import ReadDataStream
+    from mcap.exceptions import McapError
+    from mcap.records import Channel, Metadata, Schema
+
+    from drake_blfdmp.ros2 import mcap_records as mcap
 
     schemas: dict[int, Schema] = {}
     channels: dict[int, Topic | None] = {}
-    with path.open("rb") as stream:
-        # A record cannot be longer than the file: without the limit a damaged length asks for any amount of memory.
-        records = StreamReader(stream, validate_crcs=True, record_size_limit=path.stat().st_size).records
-        while True:
-            try:
-                record: McapRecord | None = next(records, None)
-                if record is None:
-                    return
-                if isinstance(record, Message):
-                    topic = channels[record.channel_id]
-                    if topic is not None:
-                        bag.add(topic, record.log_time, record.data, record.sequence)
-                elif isinstance(record, Schema):
-                    schemas[record.id] = record
-                elif isinstance(record, Channel) and record.id not in channels:
-                    schema = schemas.get(record.schema_id)
-                    channels[record.id] = bag.topic(
-                        record.topic,
-                        schema.name if schema is not None else "no type",
-                        record.message_encoding,
-                        schema.data.decode(errors="replace") if schema is not None else "",
-                    )
-                elif isinstance(record, Metadata):
-                    bag.metadata[record.name] = record.metadata
-            except RecordingError:
-                raise
-            except Exception as error:  # Arbitrary bytes make the reader raise almost anything.
-                raise RecordingError(
-                    f"{named}: cut off or damaged before byte {stream.tell()} ({type(error).__name__}); "
-                    "repair it with mcap recover"
-                ) from None
+    latest_ns = 0
+    size = path.stat().st_size
+
+    def add(record: mcap.Record) -> None:
+        nonlocal latest_ns
+        data = record.data or b""
+        if record.opcode == mcap.MESSAGE:
+            message = mcap.unpack_message(data)
+            topic = channels[message.channel]
+            if topic is not None:
+                bag.add(topic, message.log_time, message.data, message.sequence)
+            latest_ns = max(latest_ns, message.log_time)
+        elif record.opcode == mcap.SCHEMA:
+            schema = Schema.read(ReadDataStream(BytesIO(data)))
+            schemas[schema.id] = schema
+        elif record.opcode == mcap.CHANNEL:
+            channel = Channel.read(ReadDataStream(BytesIO(data)))
+            if channel.id not in channels:
+                schema = schemas.get(channel.schema_id)
+                channels[channel.id] = bag.topic(
+                    channel.topic,
+                    schema.name if schema is not None else "no type",
+                    channel.message_encoding,
+                    schema.data.decode(errors="replace") if schema is not None else "",
+                )
+        elif record.opcode == mcap.METADATA:
+            metadata = Metadata.read(ReadDataStream(BytesIO(data)))
+            bag.metadata[metadata.name] = metadata.metadata
+
+    at = 0
+    try:
+        with path.open("rb") as stream:
+            for outer in mcap.read_records(stream, size):
+                at = outer.start
+                for record in mcap.opened(outer):
+                    add(record)
+    except (RecordingError, OSError):
+        raise
+    except mcap.TooLargeError as error:
+        raise RecordingError(f"{named}: {error}, more than is read at once; write smaller chunks") from None
+    except (ValueError, LookupError, struct.error, McapError) as error:
+        truncated = isinstance(error, mcap.BrokenMcapError) and error.truncated
+        if isinstance(error, mcap.BrokenMcapError):
+            at = error.offset
+        raise RecordingError(
+            f"{named}: {'truncated' if truncated else 'damaged'} at byte {at} of {size}, whole up to "
+            f"t = {latest_ns * 1e-9:.6g} s; run python run.py recover {shlex.quote(str(path))}"
+        ) from None
