@@ -25,9 +25,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from drake_blfdmp.diagrams.hold_and_place import AddHoldAndPlace, SetInitialState  # noqa: E402
-from drake_blfdmp.evaluation.carry_out import AddRecorder  # noqa: E402
 from drake_blfdmp.evaluation.console import ProgressBar  # noqa: E402
 from drake_blfdmp.evaluation.run_logger import AddRunLogger  # noqa: E402
+from drake_blfdmp.evaluation.run_recorder import AddRecorder  # noqa: E402
 from drake_blfdmp.planning.plan import MakePlan, Plan  # noqa: E402
 from drake_blfdmp.planning.scenario import LoadScenario  # noqa: E402
 from drake_blfdmp.recording.stream import McapStream  # noqa: E402

@@ -134,6 +134,8 @@ def _metadata(parts: HoldAndPlace) -> dict[str, object]:
         "skill_time_step_s": simulation.skill_time_step,
         "record_rate_hz": simulation.record_rate_hz,
         "duration_s": plan.duration_s,
+        "tau_s": plan.task.skill.tau,
+        "gamma": plan.task.skill.gamma,
         **{f"{arm}_palm": frame for arm, frame in _palm_frames(parts).items()},
         **{f"version_{name}": value for name, value in versions().items()},
         **{f"event_{name}": t for name, t in PlannedEvents(plan)},
@@ -150,7 +152,8 @@ def _signals(builder: DiagramBuilder, parts: HoldAndPlace, planned: PlannedSigna
     """Every topic of named numbers."""
     skill = parts.skill
     signals = [
-        Signal("phase", clock, ["s", "clock"], "1, s", exact=True),
+        Signal("phase", skill.canonical.GetOutputPort("phase"), ["s"], "1", exact=True),
+        Signal("skill_clock", clock, ["clock"], "s", slow=True),
         Signal("points", skill.transformation.GetOutputPort("position"), _POINTS, "m"),
         Signal("link_lengths", _link_lengths(builder, parts), LINK_LENGTHS, "m"),
         Signal("barrier", skill.coupler.GetOutputPort("barrier"), _LINKS, "1"),
@@ -158,7 +161,7 @@ def _signals(builder: DiagramBuilder, parts: HoldAndPlace, planned: PlannedSigna
         Signal("desired_position", parts.ik.GetOutputPort("position"), _JOINTS, "rad"),
         Signal("task_scale", parts.ik.GetOutputPort("task_scale"), _ARMS, "1"),
         Signal("hands", parts.observer.GetOutputPort("effective_distance"), ["distance"], "m"),
-        Signal("swivel", _swivels(builder, parts), [*_ARMS, *(f"{arm}_person" for arm in _ARMS)], "rad"),
+        Signal("swivel", _swivels(builder, parts), [*_ARMS, *(f"{arm}_person" for arm in _ARMS)], "rad", slow=True),
         Signal(
             "planned_palms",
             parts.retargeting.GetOutputPort("palm_poses"),
@@ -216,7 +219,7 @@ def _add_contact(builder: DiagramBuilder, parts: HoldAndPlace, recorder: McapRec
     builder.Connect(plant.get_contact_results_output_port(), wrenches.GetInputPort("contact_results"))
     builder.Connect(plant.get_body_poses_output_port(), wrenches.GetInputPort("body_poses"))
     for name in pairs:
-        port = recorder.AddWrenchInput(f"contact/{name}", frames[name], single_precision=True)
+        port = recorder.AddWrenchInput(f"contact/{name}", frames[name], single_precision=True, every=_every(parts.plan))
         builder.Connect(wrenches.GetOutputPort(name), port)
 
 

@@ -33,20 +33,18 @@ class _Input(NamedTuple):
 
     Attributes:
         channel, port: where to and where from.
-        template: of its messages; None where `encode` makes them.
-        order: (n,) place in the port's value of each number in a message.
-        single_precision: whether the numbers are rounded.
-        encode: of inputs that are not recorded at each sample, or not by a template.
+        content: template of its messages, or what makes them.
         every: of how many samples one is recorded.
+        order: (n,) place in the port's value of each number in a template.
+        single_precision: whether these numbers are rounded.
     """
 
     channel: int
     port: InputPort
-    template: CdrTemplate | None
-    order: np.ndarray
-    single_precision: bool
-    encode: Encode
+    content: CdrTemplate | Encode
     every: int
+    order: np.ndarray
+    single_precision: bool = False
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
@@ -157,9 +155,10 @@ class McapRecorder(LeafSystem):
         if bodies or static_bodies:
             self._body_poses_input = self.DeclareAbstractInputPort("body_poses", AbstractValue.Make([RigidTransform()]))
         self._inputs: list[_Input] = []
-        self._apart: list[_Input] = []  # Those that are not of every sample's block.
+        # Of how many samples one is recorded -> its messages; those that are encoded one by one.
+        self._blocks: dict[int, SampleBlock] = {}
+        self._apart: list[_Input] = []
         self._samples = 0
-        self._block = SampleBlock()
         self._states = self._poses = np.empty(0)
         self._moving = list(self._bodies.values())
         self._pose_rows = PoseRows(len(self._moving))
@@ -261,7 +260,7 @@ class McapRecorder(LeafSystem):
         written = [f"{name}.{element}" if element in self._joint_names else element for element in elements]
         template = ros2_messages.joint_state_template(written, velocity=False, effort=False)
         port, channel = self._declare(name, size, ros2_messages.JOINT_STATE, {"unit": unit}, every)
-        self._add_template(channel, port, template, np.arange(size), single_precision, every)
+        self._inputs.append(_Input(channel, port, template, every, np.arange(size), single_precision))
         return port
 
     def AddWrenchInput(self, name: str, frame: str, *, single_precision: bool = False, every: int = 1) -> InputPort:
@@ -280,7 +279,7 @@ class McapRecorder(LeafSystem):
         """
         port, channel = self._declare(name, 6, ros2_messages.WRENCH, {"unit": "N, N m"}, every)
         template = ros2_messages.wrench_template(frame)
-        self._add_template(channel, port, template, _FORCE_FIRST, single_precision, every)
+        self._inputs.append(_Input(channel, port, template, every, _FORCE_FIRST, single_precision))
         return port
 
     def AddMessageInput(
@@ -307,7 +306,7 @@ class McapRecorder(LeafSystem):
             RecorderError: the name is taken or unusable, or `every` is not 1 or more.
         """
         port, channel = self._declare(name, size, message_type, metadata or {}, every)
-        self._inputs.append(_Input(channel, port, None, np.arange(size), False, encode, every))
+        self._inputs.append(_Input(channel, port, encode, every, np.arange(size)))
         return port
 
     def Event(self, name: str, t: float) -> None:
@@ -366,22 +365,6 @@ class McapRecorder(LeafSystem):
         self._take_topic(name)
         return self.DeclareVectorInputPort(name, size), self._file.add_channel(f"/{name}", message_type, metadata)
 
-    def _add_template(
-        self,
-        channel: int,
-        port: InputPort,
-        template: CdrTemplate,
-        order: np.ndarray,
-        single_precision: bool,
-        every: int,
-    ) -> None:
-        kind = np.float32 if single_precision else float
-
-        def encode(t_ns: int, value: np.ndarray) -> bytes:
-            return template.encode(t_ns, value[order].astype(kind))
-
-        self._inputs.append(_Input(channel, port, template, order, single_precision, encode, every))
-
     def _start(self, context: Context, t_ns: int) -> None:
         """Checks the connections, fixes the layout of joint states, and writes what is written once."""
         required = [*self._state_inputs.values(), *(one.port for one in self._inputs)]
@@ -421,23 +404,28 @@ class McapRecorder(LeafSystem):
                 "use a new recorder, and a new file, for each run"
             )
         self._last_ns = t_ns
-        self._block.fill(context)
+        self._blocks[1].fill(context)
         # A sum, because it is several times faster than looking at each.
         if not math.isfinite(self._states.sum()) and not np.isfinite(self._states).all():
             return
         if self._bodies:
             poses: Any = self._body_poses_input.Eval(context)  # type: ignore[union-attr]
             self._poses[:] = self._pose_rows.fill([poses[index].GetAsMatrix34() for index in self._moving])
-        file.write_block(self._block.messages, t_ns, self._block.values)
+        for every, block in self._blocks.items():
+            if self._samples % every == 0:
+                if every > 1:
+                    block.fill(context)
+                file.write_block(block.messages, t_ns, block.values)
         for one in self._apart:
             if self._samples % one.every == 0:
                 value: Any = one.port.Eval(context)
-                file.write(one.channel, t_ns, one.encode(t_ns, value))
+                file.write(one.channel, t_ns, one.content(t_ns, value))  # type: ignore[operator]
         self._samples += 1
 
     def _lay_out(self, context: Context) -> None:
         """Fixes which messages a sample has, and where in them each port's numbers go."""
-        block = self._block = SampleBlock()
+        block = SampleBlock()
+        self._blocks = {1: block}
         states = [block.take(port).reshape(2, -1) for port in self._state_inputs.values()]
         state_count = sum(state.size for state in states)
         if states:
@@ -449,13 +437,15 @@ class McapRecorder(LeafSystem):
             template = ros2_messages.joint_state_template(self._joint_names, effort=effort)
             block.add(self._joint_states_channel, template, np.concatenate(fields))
         for one in self._inputs:
-            if one.template is not None and one.every == 1:
-                places = block.take(one.port)[one.order]
-                block.add(one.channel, one.template, places, single_precision=one.single_precision)
-        self._apart = [one for one in self._inputs if one.template is None or one.every > 1]
+            if isinstance(one.content, CdrTemplate):
+                its = self._blocks.setdefault(one.every, SampleBlock())
+                places = its.take(one.port)[one.order]
+                its.add(one.channel, one.content, places, single_precision=one.single_precision)
+        self._apart = [one for one in self._inputs if not isinstance(one.content, CdrTemplate)]
         places = block.room(7 * len(self._bodies))
         if self._bodies:
             block.add(self._tf_channel, ros2_messages.tf_template(self._world_frame, list(self._bodies)), places)
-        block.finish()
+        for its in self._blocks.values():
+            its.finish()
         self._states = block.values[:state_count]
         self._poses = block.values[len(block.values) - len(places) :].reshape(-1, 7)

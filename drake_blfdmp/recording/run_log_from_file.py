@@ -14,6 +14,7 @@ from drake_blfdmp.recording.samples import Decoder, Sample, text_of
 from drake_blfdmp.recording.stream import McapStream, Topic
 from drake_blfdmp.ros2.messages import JOINT_STATE, LOG, TF
 from drake_blfdmp.skeleton import LINKS
+from drake_blfdmp.skill.canonical import time_at
 
 RECORD = "run"
 """The metadata record that makes a recording a run's."""
@@ -21,17 +22,17 @@ RECORD = "run"
 _JOINTS, _LINKS = 14, len(LINKS)
 _SIZES = {  # Topic -> how many numbers of it are kept; the poses of /tf are counted at their link.
     "/joint_states": 3 * _JOINTS,
-    "/phase": 2,
+    "/phase": 1,
     "/points": 18,
     "/link_lengths": 3 * _LINKS,
     "/barrier": _LINKS,
     "/desired_position": _JOINTS,
     "/hands": 1,
-    "/swivel": 4,
     "/planned_palms": 14,
 }
 _NOT_ALWAYS = {"/tempo": 1, "/palm_force": 2}
-_TYPES = {**dict.fromkeys((*_SIZES, *_NOT_ALWAYS), JOINT_STATE), "/tf": TF, "/events": LOG}
+_SLOW = {"/swivel": 4}  # Recorded less often than the rest.
+_TYPES = {**dict.fromkeys((*_SIZES, *_NOT_ALWAYS, *_SLOW), JOINT_STATE), "/tf": TF, "/events": LOG}
 _TO_SCALAR_FIRST = [6, 3, 4, 5, 0, 1, 2]  # From x y z qx qy qz qw.
 
 
@@ -50,7 +51,7 @@ def read_run_log(
     """
     path = Path(filename)
     stream = McapStream(path, topics=set(_TYPES), progress=progress)
-    table, events = SampleTable(most), []
+    tables, events = (SampleTable(most), SampleTable(most)), []
     decoders: dict[str, tuple[Decoder, list[int]]] = {}
     for topic, message in stream.messages():
         try:
@@ -60,7 +61,9 @@ def read_run_log(
                 raise ValueError(f"its messages are of the type {topic.type or 'unknown'}, not {_TYPES[topic.name]}")
             if topic.name == "/events":
                 events.append((text_of(LOG, message.data), message.log_time * 1e-9))
-            elif table.wants(message.log_time):
+                continue
+            table = tables[topic.name in _SLOW]
+            if table.wants(message.log_time):
                 if topic.name not in decoders:
                     decoders[topic.name] = _decoder(topic, message.data, stream.metadata[RECORD])
                 decoder, links = decoders[topic.name]
@@ -71,10 +74,11 @@ def read_run_log(
     if ATTACHMENT not in stream.attachments:
         raise RecorderError(f"{path}: the attachment {ATTACHMENT} is missing, which every run has; record the run anew")
     planned = read_planned(stream.attachments[ATTACHMENT], str(path))
-    t, signals = table.rows()
-    _check(path, t, signals, planned)
+    t, signals = tables[0].rows()
+    slow = tables[1].rows()
+    _check(path, t, signals | slow[1], planned)
     clearance = read_measured(stream.attachments[MEASURED], str(path)) if MEASURED in stream.attachments else None
-    return _log(t, signals, planned, clearance, stream.metadata[RECORD], events)
+    return _log(t, signals, slow, planned, clearance, stream.metadata[RECORD], events)
 
 
 def check_run(path: Path, metadata: Mapping[str, Mapping[str, str]]) -> None:
@@ -83,7 +87,7 @@ def check_run(path: Path, metadata: Mapping[str, Mapping[str, str]]) -> None:
         raise RecorderError(
             f"{path}: not a recording of a run (no metadata record '{RECORD}'); give a run.mcap that run.py wrote"
         )
-    if "kind" not in metadata[RECORD]:
+    if not {"kind", "tau_s", "gamma"} <= set(metadata[RECORD]):
         raise RecorderError(
             f"{path}: recorded by an older version, which did not keep all that figures need; run its attached "
             "scenario.yaml again"
@@ -117,7 +121,7 @@ def _numbers(sample: Sample, links: list[int]) -> np.ndarray:
 def _check(path: Path, t: np.ndarray, signals: Mapping[str, np.ndarray], planned: PlannedSignals) -> None:
     """Raises RecorderError where a signal is missing or of another size, or the run has no duration."""
     palms_and_box = 14 if planned.box is None else 21
-    sizes = _SIZES | {"/tf": palms_and_box} | {name: n for name, n in _NOT_ALWAYS.items() if name in signals}
+    sizes = _SIZES | _SLOW | {"/tf": palms_and_box} | {name: n for name, n in _NOT_ALWAYS.items() if name in signals}
     for name, size in sizes.items():
         if name not in signals:
             raise RecorderError(f"{path}: has no topic {name}, which every run has; give a run.mcap that run.py wrote")
@@ -135,6 +139,7 @@ def _check(path: Path, t: np.ndarray, signals: Mapping[str, np.ndarray], planned
 def _log(
     t: np.ndarray,
     signals: Mapping[str, np.ndarray],
+    slow: tuple[np.ndarray, Mapping[str, np.ndarray]],
     planned: PlannedSignals,
     clearance: tuple[np.ndarray, np.ndarray] | None,
     run: Mapping[str, str],
@@ -143,7 +148,9 @@ def _log(
     n = len(t)
     joints, lengths = signals["/joint_states"].reshape(n, 3, _JOINTS), signals["/link_lengths"].reshape(n, 3, _LINKS)
     poses = signals["/tf"].reshape(n, -1, 7)[:, :, _TO_SCALAR_FIRST]
-    phase, clock = signals["/phase"].T
+    phase = signals["/phase"][:, 0]
+    clock = time_at(phase, float(run["tau_s"]), float(run["gamma"]))
+    swivels = _angles_at(t, slow[0], slow[1]["/swivel"])
     lower, upper = lengths[:, 1], lengths[:, 2]
     phases = {name for key, name in run.items() if key.startswith("carry_phase_")}
     return RunLog(
@@ -168,8 +175,8 @@ def _log(
         effort_limit=planned.effort_limit,
         palm=poses[:, :2],
         palm_desired=signals["/planned_palms"].reshape(n, 2, 7),
-        swivel=signals["/swivel"][:, :2],
-        swivel_desired=signals["/swivel"][:, 2:],
+        swivel=swivels[:, :2],
+        swivel_desired=swivels[:, 2:],
         hands=signals["/hands"][:, 0],
         palm_force=signals.get("/palm_force", np.zeros((n, 2))),
         box=None if planned.box is None else poses[:, 2],
@@ -180,6 +187,12 @@ def _log(
         # The first is where the run begins.
         recognised=tuple((name, at) for name, at in events if name in phases)[1:],
     )
+
+
+def _angles_at(t: np.ndarray, times: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Angles (N, k), rad in [-pi, pi), at t (N,) from those (M, k) at other times (M,), the shortest way between."""
+    columns = [np.interp(t, times, np.unwrap(column)) for column in angles.T]
+    return (np.stack(columns, axis=-1) + np.pi) % (2.0 * np.pi) - np.pi
 
 
 def _planned_events(run: Mapping[str, str], t: np.ndarray, clock: np.ndarray) -> tuple[tuple[str, float], ...]:

@@ -43,9 +43,7 @@ class SampleBlock:
         self._count += count
         return np.arange(self._count - count, self._count)
 
-    def add(
-        self, channel: int, template: CdrTemplate, places: np.ndarray, *, single_precision: bool = False
-    ) -> None:
+    def add(self, channel: int, template: CdrTemplate, places: np.ndarray, *, single_precision: bool = False) -> None:
         """A message whose numbers are the values at `places`, rounded if so asked."""
         self._messages.append((channel, template))
         self._order.append(places)

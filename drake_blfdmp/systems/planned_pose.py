@@ -15,7 +15,7 @@ class PlannedPose(LeafSystem):
         output_ports:
         - pose
 
-    No state. `clock` (2) as from SkillClock; `pose` (7) is X_WB as qw qx qy qz x y z, that of the nearest time.
+    No state. `clock` (1) as from SkillClock; `pose` (7) is X_WB as qw qx qy qz x y z, that of the nearest time.
     """
 
     def __init__(self, *, t: np.ndarray, poses: np.ndarray):
@@ -23,9 +23,9 @@ class PlannedPose(LeafSystem):
         super().__init__()
         self._poses = poses
         self._middles = (t[1:] + t[:-1]) / 2
-        self._clock = self.DeclareVectorInputPort("clock", 2)
+        self._clock = self.DeclareVectorInputPort("clock", 1)
         self.DeclareVectorOutputPort("pose", 7, self._calc)
 
     def _calc(self, context, output):
-        nearest = np.searchsorted(self._middles, np.asarray(self._clock.Eval(context))[1])
+        nearest = np.searchsorted(self._middles, np.asarray(self._clock.Eval(context))[0])
         output.SetFromVector(self._poses[nearest])

@@ -17,7 +17,7 @@ class SkillClock(LeafSystem):
         output_ports:
         - clock
 
-    No state. `phase` (1) as from CanonicalSystem; `clock` (2): that phase, no unit, and its time, s.
+    No state. `phase` (1) as from CanonicalSystem; `clock` (1), s.
     """
 
     def __init__(self, *, tau: float, gamma: float = DEFAULT_GAMMA):
@@ -25,8 +25,7 @@ class SkillClock(LeafSystem):
         super().__init__()
         self._tau, self._gamma = tau, gamma
         self._phase = self.DeclareVectorInputPort("phase", 1)
-        self.DeclareVectorOutputPort("clock", 2, self._calc)
+        self.DeclareVectorOutputPort("clock", 1, self._calc)
 
     def _calc(self, context, output):
-        phase = np.asarray(self._phase.Eval(context))[0]
-        output.SetFromVector([phase, time_at(phase, self._tau, self._gamma)])
+        output.SetFromVector(time_at(np.asarray(self._phase.Eval(context)), self._tau, self._gamma))
