@@ -65,10 +65,11 @@ def write_figures(log: RunLog, directory: Path) -> list[Path]:
     try:
         directory.mkdir(parents=True, exist_ok=True)
         left_out = OF_THE_BOX if log.box is None else ()
-        figures = {name: make(log) for name, make in FIGURES.items() if name not in left_out}
-        if log.spread is not None:
-            figures[SPREAD] = skill_figures.spread(log, log.spread)
-        return [style.save(figure, directory / f"{name}.png") for name, figure in figures.items()]
+        makers = {name: make for name, make in FIGURES.items() if name not in left_out}
+        if (spread := log.spread) is not None:
+            makers[SPREAD] = lambda log: skill_figures.spread(log, spread)
+        # One after the other: of a long run each takes tens of megabytes.
+        return [style.save(make(log), directory / f"{name}.png") for name, make in makers.items()]
     except OSError as error:
         raise BlfDmpError(
             f"figures cannot be written to {directory}: {error.strerror or error}; name another directory"
