@@ -14,10 +14,11 @@
     drawing         Drawing: a figure before it is drawn, kept in a recording
     redrawing       redraw_study: the figures of a study from its file alone
     meshcat_scene   start_meshcat, set_scene_camera, write_scene_html
-    live_controls   sliders and buttons of the live view
+    looks           colours, legend and camera of every scene
     stage           floor, grid and light of a Meshcat scene
     person_shape    body and legs of the ghost
     band_limits     HandsBand, where the hands' band lets each hand be
+    playback        a package: recordings played back without Drake
     skeleton_drawer SkeletonGhost (draws), SkeletonDrawer (a LeafSystem that draws what its input ports say)
 
 Nothing is imported here, so that figures need no Drake and the scene needs no matplotlib.

@@ -7,10 +7,7 @@ import numpy as np
 from pydrake.geometry import Cylinder, Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
-COLOUR = "#0072B2"
-OPACITY = 0.45
-RADIUS = 0.06
-"""Of the sleeves, m: wider than a wrist, so that the wrist does not hide them."""
+from drake_blfdmp.viewing.looks import BAND_COLOUR, BAND_OPACITY, BAND_RADIUS
 
 _SIDES = (("left", -1.0), ("right", 1.0))
 _SHORTEST = 1e-4  # m
@@ -26,10 +23,10 @@ class HandsBand:
     def __init__(self, meshcat: Meshcat, path: str = "/hands_band"):
         """Makes both sleeves, unseen until drawn; call it before `meshcat.StartRecording`."""
         self._meshcat, self._path = meshcat, path.rstrip("/")
-        red, green, blue = (int(COLOUR[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        red, green, blue = (int(BAND_COLOUR[i : i + 2], 16) / 255 for i in (1, 3, 5))
         for side, _ in _SIDES:
             sleeve = f"{self._path}/{side}/sleeve"
-            meshcat.SetObject(sleeve, Cylinder(RADIUS, 1.0), Rgba(red, green, blue, OPACITY))
+            meshcat.SetObject(sleeve, Cylinder(BAND_RADIUS, 1.0), Rgba(red, green, blue, BAND_OPACITY))
         meshcat.SetProperty(self._path, "visible", False)
 
     def draw(self, left: np.ndarray, right: np.ndarray, lower: float, upper: float, time: float | None = None) -> None:

@@ -12,11 +12,7 @@ from pathlib import Path
 from pydrake.geometry import Meshcat, MeshcatAnimation, MeshcatParams
 
 from drake_blfdmp.errors import BlfDmpError
-
-CAMERA_IN_WORLD = (1.40, 3.35, 1.75)  # In front of the arms, which reach along +y from x = -0.2 and 0.2 m; p_WC, m.
-TARGET_IN_WORLD = (0.45, 0.10, 0.82)
-FIELD_OF_VIEW = (34.5, 41.0)
-"""Degrees, upright and across, that a window of any shape shows at least; Meshcat's own 75 distort."""
+from drake_blfdmp.viewing.looks import CAMERA_IN_WORLD, FIELD_OF_VIEW, TARGET_IN_WORLD
 
 _log = logging.getLogger(__name__)
 _LEAST_PORT = 1024  # Drake ends the process for lower ones.

@@ -8,8 +8,6 @@ the group they are in.
 # pyright: reportArgumentType=false, reportCallIssue=false
 # (Drake's own type stubs state array types that no array has.)
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
@@ -20,22 +18,33 @@ from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.link_state import COLOURS, INSIDE, JOINT_COLOUR, NEAR, NEAR_MARGIN, OUTSIDE, classify, rgb
 from drake_blfdmp.skeleton import HANDS, LINKS, POINTS, WRISTS
 from drake_blfdmp.viewing import band_limits, person_shape
+from drake_blfdmp.viewing.looks import (
+    BAND_LEGEND,
+    BODY,
+    BODY_OPACITY,
+    LEGEND,
+    LONGEST_LEGS,
+    PERSON_LEGEND,
+    ROD_RADIUS,
+    SHORTEST_LEGS,
+)
 
-LEGEND: Mapping[str, str] = {
-    "link inside its band": COLOURS[INSIDE],
-    "link near its band's edge": COLOURS[NEAR],
-    "link outside its band": COLOURS[OUTSIDE],
-}
-"""Text -> CSS colour, for `meshcat_scene.write_scene_html`."""
-
-_BODY = "#7F97B8"
-BAND_LEGEND: Mapping[str, str] = {"where the hands' band lets each hand be": band_limits.COLOUR}
-PERSON_LEGEND: Mapping[str, str] = {"the person, life-size, as the skill moves": _BODY}
-"""Further ones, where these are drawn."""
+# What says how a ghost looks goes with it, for those who draw one.
+__all__ = [
+    "BAND_LEGEND",
+    "INSIDE",
+    "LEGEND",
+    "NEAR",
+    "OUTSIDE",
+    "PERSON_LEGEND",
+    "SkeletonDrawer",
+    "SkeletonGhost",
+    "classify",
+    "rod_pose",
+]
 
 _LEFT_SHOULDER, _RIGHT_SHOULDER = POINTS.index("left_shoulder"), POINTS.index("right_shoulder")
 _SHORTEST = 1e-6  # A rod of length zero has no direction and a singular matrix, m.
-_SHORTEST_LEGS, _LONGEST_LEGS = 0.5, 1.4  # Of a person's, as modelled.
 
 
 def rod_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, float]:
@@ -59,8 +68,8 @@ class SkeletonGhost:
         meshcat: Meshcat,
         *,
         path: str = "/skeleton",
-        radius: float = 0.018,
-        opacity: float = 0.35,
+        radius: float = ROD_RADIUS,
+        opacity: float = BODY_OPACITY,
         near_margin: float = NEAR_MARGIN,
     ):
         """Makes all objects; call it before `meshcat.StartRecording`.
@@ -92,7 +101,7 @@ class SkeletonGhost:
                 meshcat.SetProperty(rod, "visible", False)
         for name, (vertices, faces) in (("body", person_shape.body()), ("legs/shape", person_shape.legs())):
             side = Meshcat.SideOfFaceToRender.kFrontSide
-            meshcat.SetTriangleMesh(f"{self._path}/{name}", vertices, faces, _rgba(_BODY, opacity), side=side)
+            meshcat.SetTriangleMesh(f"{self._path}/{name}", vertices, faces, _rgba(BODY, opacity), side=side)
         self._band = band_limits.HandsBand(meshcat, f"{self._path}/band")
 
     def draw(
@@ -140,7 +149,7 @@ class SkeletonGhost:
         hip = float(middle[2]) - person_shape.SHOULDER_ABOVE_HIP
         share = hip / person_shape.LEG
         # Where the floor is not that of a person who stands, legs would be stilts or stumps.
-        self._meshcat.SetProperty(f"{self._path}/legs", "visible", _SHORTEST_LEGS < share < _LONGEST_LEGS, time)
+        self._meshcat.SetProperty(f"{self._path}/legs", "visible", SHORTEST_LEGS < share < LONGEST_LEGS, time)
         self._meshcat.SetTransform(f"{self._path}/legs", RigidTransform(turn, [middle[0], middle[1], 0.0]), time)
         self._meshcat.SetProperty(f"{self._path}/legs/shape", "scale", [1.0, 1.0, max(share, _SHORTEST)], time)
 

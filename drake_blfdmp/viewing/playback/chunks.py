@@ -167,9 +167,7 @@ def messages(
                 yield channel, t, data[_MESSAGE.size :]
 
 
-def _opened(
-    path: Path, contents: Contents, what: str, progress: Progress
-) -> Iterator[tuple[int, int, BufferedReader]]:
+def _opened(path: Path, contents: Contents, what: str, progress: Progress) -> Iterator[tuple[int, int, BufferedReader]]:
     """Opcode and length of every record of the data section, with the stream where its content begins.
 
     What stops it before the data's end goes to `contents.damage`.

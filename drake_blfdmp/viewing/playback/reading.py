@@ -183,7 +183,9 @@ def _topics(contents: Contents) -> dict[int, Channel]:
     """
     path = contents.path
     if contents.profile not in ("ros2", ""):
-        raise BlfDmpError(f"{path}: profile '{contents.profile}' in place of 'ros2'; convert it to ROS 2 messages first")
+        raise BlfDmpError(
+            f"{path}: profile '{contents.profile}' in place of 'ros2'; convert it to ROS 2 messages first"
+        )
     topics: dict[int, Channel] = {}
     strange: list[str] = []
     for number in contents.times:
@@ -219,7 +221,9 @@ def _span(contents: Contents, topics: Mapping[int, Channel]) -> tuple[int, int]:
     """
     moving = [contents.times[n] for n, c in topics.items() if contents.type_of(c) not in (STRING, LOG)]
     moving = [
-        contents.times[n] for n, c in topics.items() if contents.type_of(c) in (JOINT_STATE, TF) and _last(c) != "tf_static"
+        contents.times[n]
+        for n, c in topics.items()
+        if contents.type_of(c) in (JOINT_STATE, TF) and _last(c) != "tf_static"
     ] or moving
     first, last = min(times.first for times in moving), max(times.last for times in moving)
     if last <= first:
