@@ -7,6 +7,7 @@
     python run.py convert IN OUT                    any readable recording as CSV or MCAP
     python run.py recover FILE                      a complete recording of a run from one that was cut off
     python run.py figures FILE.mcap                 the figures of a recorded run again, from its file alone
+    python run.py playback RUN.mcap                 a recording of a run, or of another ROS 2 system, in the browser
     python run.py studies                           the paper's figures and claims: what there is; --help tells more
     python run.py figures FILE.mcap                 the figures of a study again, from its file alone
 
@@ -20,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 
 ROOT = Path(__file__).resolve().parent
-COMMANDS = ("inspect", "convert", "recover", "figures", "studies")
+COMMANDS = ("inspect", "convert", "recover", "figures", "playback", "studies")
 
 
 class Terminated(KeyboardInterrupt):
