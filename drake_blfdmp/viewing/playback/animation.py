@@ -1,6 +1,6 @@
 """What changes in a scene, as Meshcat's viewer animates it: one clip a path, one track a property.
 
-Keys are kept as arrays and packed in base64: as Meshcat's own list of {time, value} they would take ten times the place.
+Keys are kept as arrays and packed in base64: as Meshcat's own list of {time, value} they would take ten times as much.
 """
 
 import base64

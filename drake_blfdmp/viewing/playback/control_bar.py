@@ -115,7 +115,7 @@ const playback = (() => {
   // The bar.
   const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
   for (const value of [...new Set([...SPEEDS, data.speed])].sort((a, b) => a - b)) {
-    element("speed").add(new Option(value + " ×", String(value)));
+    element("speed").add(new Option(value + " \u00d7", String(value)));
   }
   element("time").max = duration;
   const marks = data.events.map((event) => {
@@ -231,10 +231,13 @@ const playback = (() => {
     const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
     canvas.width = width;
     canvas.height = height;
+    viewer.renderer.setPixelRatio(1);
+    const drawn = viewer.renderer.domElement;
+    if (drawn.width !== width || drawn.height !== height) fit(width, height);  // The window's size came in between.
     seek(t);
     viewer.render();
-    pen.drawImage(viewer.renderer.domElement, 0, 0, width, height);
-    const unit = Math.round(height / 34);
+    pen.drawImage(drawn, 0, 0, width, height);
+    const unit = Math.round(height / 42);
     pen.font = unit + "px sans-serif";
     pen.textBaseline = "middle";
     const rows = [[data.title, null], ...data.legend];
@@ -251,7 +254,7 @@ const playback = (() => {
       pen.fillStyle = "#222";
       pen.fillText(text, (colour ? 3.0 : 1.5) * unit, y);
     });
-    const clock = (data.start + t).toFixed(2) + " s" + (data.speed === 1 ? "" : "  " + data.speed + " ×");
+    const clock = (data.start + t).toFixed(2) + " s" + (data.speed === 1 ? "" : "  " + data.speed + " \u00d7");
     const said = data.files.map((file, k) => now(k, t)).map((event) => (event ? event.label : "")).filter(Boolean);
     pen.textAlign = "center";
     pen.fillText(clock, width - 5 * unit, height - 1.8 * unit);

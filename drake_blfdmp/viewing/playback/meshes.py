@@ -63,14 +63,14 @@ def mesh_geometry(file: Path) -> tuple[geometry.Geometry, float]:
         mesh = read(str(file))
     except (OSError, UnicodeDecodeError) as error:
         raise NoMeshError(f"cannot be read ({error})") from None
-    unit = 1.0
     if file.suffix.lower() == ".dae":
-        found = _UNIT.search(mesh.contents[:20000])
+        # Meshcat draws the numbers as they are.
+        found = _UNIT.search(file.read_text(encoding="utf-8", errors="replace")[:20000])
         try:
-            unit = float(found.group(1)) if found else 1.0
+            return mesh, float(found.group(1)) if found else 1.0
         except ValueError:
-            unit = 1.0
-    return mesh, unit
+            return mesh, 1.0
+    return mesh, 1.0
 
 
 def _package_folders() -> list[Path]:

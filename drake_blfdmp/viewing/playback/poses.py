@@ -1,4 +1,4 @@
-"""Poses as homogeneous matrices (..., 4, 4) and as x y z (m) qx qy qz qw (..., 7), the order of geometry_msgs/Transform.
+"""Poses as homogeneous matrices (..., 4, 4) and as x y z (m) qx qy qz qw (..., 7), the order of ROS 2 transforms.
 
 `drake_blfdmp.quaternions` needs SciPy; playback does without.
 """

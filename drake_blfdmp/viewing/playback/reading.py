@@ -193,7 +193,7 @@ def _topics(contents: Contents) -> dict[int, Channel]:
         if channel is None:
             continue
         kind, expected = contents.type_of(channel), _KNOWN.get(_last(channel))
-        if kind == WRENCH or kind == expected:
+        if kind in (WRENCH, expected):
             if channel.message_encoding == "cdr":
                 topics[number] = channel
             else:

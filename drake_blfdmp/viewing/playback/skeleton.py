@@ -94,7 +94,7 @@ def draw_person(
     if bounds is not None:
         bounds.include(points[:: max(1, len(points) // 50)], 0.1)
         middle = points[:, SHOULDERS].mean(axis=1)
-        bounds.include(middle + [0.0, 0.0, 0.37], 0.05)
+        bounds.include(middle + np.array([0.0, 0.0, 0.37]), 0.05)
         bounds.include(middle * [1.0, 1.0, 0.0], 0.1)
     return legend
 

@@ -77,7 +77,7 @@ def add_surroundings(scene: Scene, bounds: Bounds) -> None:
     half = np.sqrt(radius**2 - offset**2)
     start = np.concatenate([np.stack([offset, -half], axis=-1), np.stack([-half, offset], axis=-1)])
     end = np.concatenate([np.stack([offset, half], axis=-1), np.stack([half, offset], axis=-1)])
-    start, end = (np.column_stack([ends + [x, y], np.full(len(ends), z)]) for ends in (start, end))
+    start, end = (np.column_stack([ends + np.array([x, y]), np.full(len(ends), z)]) for ends in (start, end))
     scene.add_lines("/stage/grid", start, end, _LINES)
     # One light casts shadows; the others fill.
     for name, intensity in (("AmbientLight", 0.62), ("FillLight", 0.10)):

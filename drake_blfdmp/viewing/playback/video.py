@@ -74,7 +74,7 @@ def write_video(sheet: Sheet, path: Path, progress: Progress = lambda what, shar
     count = int(sheet.duration / sheet.speed * rate) + 1
     if count > _MOST_FRAMES:
         raise BlfDmpError(
-            f"--video {path}: {count} frames are too many (at most {_MOST_FRAMES}); shorten it with --from and --to, or "
+            f"--video {path}: {count} frames, at most {_MOST_FRAMES} are made; shorten it with --from and --to, or "
             "raise --speed"
         )
     step = json.dumps(sheet.speed / rate)
@@ -113,7 +113,7 @@ def write_video(sheet: Sheet, path: Path, progress: Progress = lambda what, shar
 
 def _browser(url: str, profile: str) -> list[str]:
     switches = (
-        "headless no-sandbox use-angle=swiftshader enable-unsafe-swiftshader no-first-run disable-quic disable-sync "
+        "headless no-sandbox enable-unsafe-swiftshader no-first-run disable-quic disable-sync "
         "disable-background-networking disable-component-update disable-gpu-vsync mute-audio remote-debugging-port=0 "
         "disable-background-timer-throttling disable-renderer-backgrounding window-size=800,450"
     )
