@@ -15,6 +15,7 @@ html, body { margin: 0; height: 100%; overflow: hidden; background: #f5f7fa; }
 #caption { top: 12px; left: 0; right: 0; text-align: center; pointer-events: none; }
 #caption > div { display: inline-block; margin: 0 4px; padding: 3px 14px; border-radius: 14px; font-size: 16px;
   font-weight: 600; background: rgba(255,255,255,0.85); transition: background 0.6s; }
+#caption > div.hanging { position: fixed; transform: translate(-50%, -100%); }
 #caption > div.fresh { background: #fff3c4; transition: none; }
 #bar { left: 0; right: 0; bottom: 0; height: 72px; padding: 0 14px; box-sizing: border-box; display: flex; gap: 12px;
   align-items: center; background: rgba(255,255,255,0.92); border-top: 1px solid #c9d0d8; }
@@ -153,6 +154,7 @@ const playback = (() => {
   element("legend").open = window.innerWidth > 620;
   const captions = data.files.map((file) => {
     const caption = document.createElement("div");
+    caption.classList.toggle("hanging", data.anchors.length > 0);
     element("caption").append(caption);
     return caption;
   });
@@ -173,7 +175,7 @@ const playback = (() => {
       caption.classList.toggle("fresh", Boolean(event) && t - event.time < 0.8);
       if (caption.textContent !== text) {
         caption.textContent = text;
-        if (captions.length > 1 && text) caption.prepend(swatch(data.files[file].colour));
+        if (captions.length > 1 && text && !data.anchors.length) caption.prepend(swatch(data.files[file].colour));
       }
     });
     marks.forEach((mark, i) => mark.classList.toggle("now", data.events[i] === now(data.events[i].file, t)));
@@ -183,6 +185,18 @@ const playback = (() => {
     for (const event of data.events) if (event.file === file && event.time <= t + 1e-6) last = event;
     return last;
   }
+  // Captions of files side by side hang over them.
+  function place(anchor, width, height) {
+    const seen = new MeshCat.THREE.Vector3(...at(anchor)).project(viewer.camera);
+    return [(width * (1 + seen.x)) / 2, (height * (1 - seen.y)) / 2];
+  }
+  function hang() {
+    data.anchors.forEach((anchor, file) => {
+      const [x, y] = place(anchor, window.innerWidth, window.innerHeight);
+      captions[file].style.left = x + "px";
+      captions[file].style.top = y + "px";
+    });
+  }
   let last = 0;
   function tick() {
     if (animator.playing && !repeat && animator.time < last - duration / 2) {
@@ -191,6 +205,7 @@ const playback = (() => {
     }
     last = animator.time;
     refresh();
+    hang();
     requestAnimationFrame(tick);
   }
   element("play").addEventListener("click", () => (animator.playing ? pause() : play()));
@@ -255,11 +270,12 @@ const playback = (() => {
       pen.fillText(text, (colour ? 3.0 : 1.5) * unit, y);
     });
     const clock = (data.start + t).toFixed(2) + " s" + (data.speed === 1 ? "" : "  " + data.speed + " \u00d7");
-    const said = data.files.map((file, k) => now(k, t)).map((event) => (event ? event.label : "")).filter(Boolean);
+    const said = data.files.map((file, k) => now(k, t)).map((event) => (event ? event.label : ""));
     pen.textAlign = "center";
     pen.fillText(clock, width - 5 * unit, height - 1.8 * unit);
     pen.font = "bold " + Math.round(1.3 * unit) + "px sans-serif";
-    pen.fillText(said.join("   "), width / 2, 1.8 * unit);
+    if (data.anchors.length) said.forEach((text, k) => pen.fillText(text, ...place(data.anchors[k], width, height)));
+    else pen.fillText(said.filter(Boolean).join("   "), width / 2, 1.8 * unit);
     return canvas;
   }
 

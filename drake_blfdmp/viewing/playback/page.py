@@ -12,7 +12,6 @@ import meshcat
 import numpy as np
 
 from drake_blfdmp.errors import BlfDmpError
-from drake_blfdmp.viewing.looks import FIELD_OF_VIEW
 from drake_blfdmp.viewing.playback.control_bar import BAR, SCRIPT, START, STYLE
 from drake_blfdmp.viewing.playback.scene import Scene
 from drake_blfdmp.viewing.playback.surroundings import View
@@ -43,6 +42,7 @@ class Sheet:
         title: the page's.
         legend: text -> CSS colour.
         files: (name, CSS colour) of each.
+        anchors: (3,) of each, m in W: where its caption hangs; none, and captions are at the top.
         start: what the clock shows at the beginning, s.
         duration: s.
         speed: at the beginning.
@@ -53,6 +53,7 @@ class Sheet:
     view: View
     legend: Mapping[str, str]
     files: Sequence[tuple[str, str]]
+    anchors: Sequence[np.ndarray]
     events: Sequence[Event]
     start: float
     duration: float
@@ -72,9 +73,10 @@ def render_page(sheet: Sheet, *, script: str = START) -> str:
         "tracks": sheet.scene.tracks.lower(),
         "camera": sheet.view.camera,
         "target": sheet.view.target,
-        "field_of_view": FIELD_OF_VIEW,
+        "field_of_view": sheet.view.field_of_view,
         "legend": list(sheet.legend.items()),
         "files": [{"name": name, "colour": colour} for name, colour in sheet.files],
+        "anchors": list(sheet.anchors),
         "events": [vars(event) for event in sheet.events],
         "start": sheet.start,
         "duration": sheet.duration,

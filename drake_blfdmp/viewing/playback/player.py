@@ -20,6 +20,8 @@ from drake_blfdmp.viewing.playback.surroundings import View, add_surroundings, r
 # Okabe and Ito's colours, those left away that mean something in the scene.
 COLOURS = ("#5A6470", "#56B4E9", "#D55E00", "#F0E442", "#CC79A7", "#7B4FA3", "#8A6D3B", "#44AA99")
 _GAP = 0.4  # Between files side by side, m.
+_ABOVE = 0.1  # Captions over the files, m.
+_WIDE = (30.0, 56.0)  # Degrees: what is side by side is wider than tall.
 _LONGEST_TEXT = 60
 
 
@@ -70,9 +72,9 @@ def make_sheet(
         each.append(bounds)
         progress("drawing", (number + 1) / len(files))
     run = all("points" in file.vectors for file in files)
-    everything, view = _arranged(scene, each, run, side_by_side)
+    everything, view, anchors = _arranged(scene, each, run, side_by_side)
     add_surroundings(scene, everything)
-    if len(files) > 1:
+    if len(files) > 1 and not side_by_side:
         legend |= {label: colour for label, colour in zip(labels, COLOURS, strict=False)}
     events = [
         Event(t - file.times[0], *_texts(text, labels[number] if len(files) > 1 else ""), number)
@@ -85,6 +87,7 @@ def make_sheet(
         view=view,
         legend=legend,
         files=list(zip(labels, COLOURS, strict=False)),
+        anchors=anchors if side_by_side else (),
         events=sorted(events, key=lambda event: event.time),
         start=float(files[0].times[0]),
         duration=float(max(file.times[-1] - file.times[0] for file in files)),
@@ -93,10 +96,15 @@ def make_sheet(
     return sheet, warnings
 
 
-def _arranged(scene: Scene, each: Sequence[Bounds], run: bool, side_by_side: bool) -> tuple[Bounds, View]:
-    """Moves files apart, left to right as they are seen; returns what is around all of them, and the view of it."""
+def _arranged(
+    scene: Scene, each: Sequence[Bounds], run: bool, side_by_side: bool
+) -> tuple[Bounds, View, list[np.ndarray]]:
+    """Moves files apart, left to right as they are seen.
+
+    Returns: what is around all of them, the view of it, and a point above each.
+    """
     view = run_view() if run else view_of(each[0])
-    everything, reach = Bounds(), 0.0
+    everything, reach, anchors = Bounds(), 0.0, []
     for number, bounds in enumerate(each):
         shift = np.zeros(3)
         if side_by_side and not bounds.empty:
@@ -107,9 +115,12 @@ def _arranged(scene: Scene, each: Sequence[Bounds], run: bool, side_by_side: boo
             reach = float(along.max() + shift @ view.right)
         if not bounds.empty:
             everything.include(bounds.corners() + shift)
-    if run and not side_by_side:
-        return everything, view
-    return everything, view_of(everything, view.camera - view.target)
+        top = bounds.middle + shift
+        top[2] = 0.0 if bounds.empty else bounds.high[2] + _ABOVE
+        anchors.append(top)
+    if side_by_side:
+        return everything, view_of(everything, view.camera - view.target, _WIDE), anchors
+    return everything, view if run else view_of(everything, view.camera - view.target), anchors
 
 
 def _labels(files: Sequence[Played]) -> list[str]:

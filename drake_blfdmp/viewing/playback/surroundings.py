@@ -21,10 +21,11 @@ _SHARE = 0.92  # Of the picture that what is drawn fills.
 
 @dataclass(frozen=True)
 class View:
-    """Camera and target, (3,) m in W."""
+    """Camera and target, (3,) m in W, and the angles that a window of any shape shows at least, upright and across."""
 
     camera: np.ndarray
     target: np.ndarray
+    field_of_view: tuple[float, float] = looks.FIELD_OF_VIEW
 
     @property
     def right(self) -> np.ndarray:
@@ -39,21 +40,25 @@ def run_view() -> View:
     return View(np.array(looks.CAMERA_IN_WORLD), np.array(looks.TARGET_IN_WORLD))
 
 
-def view_of(bounds: Bounds, towards: np.ndarray | None = None) -> View:
+def view_of(
+    bounds: Bounds, towards: np.ndarray | None = None, field_of_view: tuple[float, float] = looks.FIELD_OF_VIEW
+) -> View:
     """A view that shows everything in `bounds`; `towards` points from it to the camera."""
     direction = _FROM if towards is None else towards
     direction = direction / np.linalg.norm(direction)
-    half = np.tan(np.radians(min(looks.FIELD_OF_VIEW)) / 2) * _SHARE
+    half_up, half_across = np.tan(np.radians(field_of_view) / 2) * _SHARE
     target = bounds.middle
     ahead = -direction
     right = np.cross(ahead, [0.0, 0.0, 1.0])
     right = right / np.linalg.norm(right)
     up = np.cross(right, ahead)
     corners = (np.zeros((1, 3)) if bounds.empty else bounds.corners()) - target
-    # Every corner inside the angle of view: its distance from the axis at most `half` of its depth.
-    off = np.maximum(np.abs(corners @ right), np.abs(corners @ up))
-    distance = max(float(np.max(off / half - corners @ ahead)), 0.5)
-    return View(target + distance * direction, target)
+    # Every corner inside the angle of view: its distance from the axis at most so much of its depth.
+    off = np.maximum(np.abs(corners @ right) / half_across, np.abs(corners @ up) / half_up)
+    distance = max(float(np.max(off - corners @ ahead)), 0.5)
+    # The control bar lies over the lowest tenth of the picture.
+    down = 0.08 * half_up * distance * up
+    return View(target - down + distance * direction, target - down, field_of_view)
 
 
 def add_surroundings(scene: Scene, bounds: Bounds) -> None:
