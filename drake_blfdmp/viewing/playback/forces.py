@@ -1,6 +1,6 @@
 """Forces in the scene: an arrow at the origin of the frame that the wrench is in."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -26,13 +26,35 @@ def metres_per_newton(wrenches: Sequence[Wrench]) -> float:
 
 
 def draw_forces(
-    scene: Scene, path: str, played: Played, times: np.ndarray, scale: float, opacity: float = 1.0
+    scene: Scene,
+    path: str,
+    played: Played,
+    links: Mapping[str, np.ndarray],
+    times: np.ndarray,
+    scale: float,
+    opacity: float = 1.0,
 ) -> tuple[dict[str, str], list[str]]:
-    """Draws the wrenches of a file with `scale` m per N; returns the legend and what is not drawn."""
+    """Draws the wrenches of a file.
+
+    Args:
+        scene: to draw in.
+        path: above all of it.
+        played: the file.
+        links: poses of the robots' links, for frames that are not in /tf.
+        times: (F,) s.
+        scale: of the arrows, m per N.
+        opacity: of the arrows, 0 to 1.
+
+    Returns: the legend, and what is not drawn, a line each.
+    """
     warnings: list[str] = []
     drawn = False
     for number, wrench in enumerate(played.wrenches):
-        if wrench.frame not in played.frames and wrench.frame not in played.frames.roots:
+        if wrench.frame in played.frames or wrench.frame in played.frames.roots:
+            X_WF = played.frames.pose(wrench.frame)
+        elif wrench.frame in links:
+            X_WF = links[wrench.frame]
+        else:
             warnings.append(f"{wrench.topic}: its frame '{wrench.frame}' is not in /tf; its force is not drawn")
             continue
         size = np.linalg.norm(wrench.force, axis=-1)
@@ -41,7 +63,6 @@ def draw_forces(
         if not seen.any():
             continue
         here = f"{path}/{number}"
-        X_WF = played.frames.pose(wrench.frame)
         scene.move(here, times, X_WF)
         scene.move(f"{here}/arrow", times, z_along(wrench.force))
         scene.show(f"{here}/arrow", times, seen)
@@ -58,5 +79,5 @@ def draw_forces(
         share = head / _HEAD_LENGTH
         scene.stretch(f"{here}/arrow/head/size", times, np.stack([share, share, share], axis=-1))
         drawn = True
-    legend = {f"contact force, {0.1 / scale:g} N in 10 cm": COLOUR} if drawn else {}
+    legend = {f"force, {0.1 / scale:g} N in 10 cm": COLOUR} if drawn else {}
     return legend, warnings

@@ -9,6 +9,7 @@ from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.viewing.playback.bounds import Bounds
 from drake_blfdmp.viewing.playback.chunks import Progress
 from drake_blfdmp.viewing.playback.forces import draw_forces, metres_per_newton
+from drake_blfdmp.viewing.playback.kinematics import link_poses
 from drake_blfdmp.viewing.playback.page import Event, Sheet
 from drake_blfdmp.viewing.playback.poses import translation
 from drake_blfdmp.viewing.playback.reading import Played
@@ -59,14 +60,27 @@ def make_sheet(
         tint = Tint(COLOURS[number]) if number and not side_by_side else None
         times, path = file.times - file.times[0], f"/{number}"
         bounds = Bounds()
+        links: dict[str, np.ndarray] = {}
         for index, model in enumerate(file.models):
-            here = standing if not side_by_side else {}
-            lost = draw_robot(
-                scene, f"{path}/robot{index}", model, times, file.path.parent, tint=tint, standing=here, bounds=bounds
-            )
-            warnings += [f"{file.path}: {line}" for line in lost]
+            poses = link_poses(model.robot, model.frames, model.positions)
+            links = {**poses, **links}
+            warnings += [
+                f"{file.path}: {line}"
+                for line in draw_robot(
+                    scene,
+                    f"{path}/robot{index}",
+                    model,
+                    poses,
+                    times,
+                    file.path.parent,
+                    tint=tint,
+                    standing=None if side_by_side else standing,
+                    bounds=bounds,
+                )
+            ]
         legend |= draw_person(scene, f"{path}/person", file, times, tint=tint, bounds=bounds)
-        arrows, lost = draw_forces(scene, f"{path}/forces", file, times, scale, 1.0 if tint is None else tint.opacity)
+        solid = 1.0 if tint is None else tint.opacity
+        arrows, lost = draw_forces(scene, f"{path}/forces", file, links, times, scale, solid)
         legend |= arrows
         warnings += [f"{file.path}: {line}" for line in lost]
         each.append(bounds)

@@ -320,7 +320,7 @@ def _gathered(
         lost = [j.name for j in robot.joints.values() if j.movable and not _known(j.name, j.child, model)]
         if lost and len(lost) < sum(joint.movable for joint in robot.joints.values()):
             warnings.append(f"{path}: joint {lost[0]}{' and others' if len(lost) > 1 else ''}: no position; drawn at 0")
-        elif lost and len(descriptions) == 1 and "points" not in vectors:
+        elif lost and len(descriptions) == 1 and "points" not in vectors and not set(robot.links) & set(own):
             raise BlfDmpError(
                 f"{path}: no transforms: neither /tf nor /joint_states knows any link or joint of the robot "
                 f"'{robot.name}', as joint {lost[0]}; record what belongs to this /robot_description"

@@ -1,5 +1,6 @@
 """A robot's links in the scene."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,7 +8,6 @@ import numpy as np
 from meshcat import geometry
 
 from drake_blfdmp.viewing.playback.bounds import Bounds
-from drake_blfdmp.viewing.playback.kinematics import link_poses
 from drake_blfdmp.viewing.playback.meshes import NoMeshError, find_mesh, mesh_geometry
 from drake_blfdmp.viewing.playback.poses import translation
 from drake_blfdmp.viewing.playback.reading import Model
@@ -31,6 +31,7 @@ def draw_robot(
     scene: Scene,
     path: str,
     model: Model,
+    poses: Mapping[str, np.ndarray],
     times: np.ndarray,
     beside: Path,
     *,
@@ -43,7 +44,8 @@ def draw_robot(
     Args:
         scene: to draw in.
         path: above all of it.
-        model: robot, frames, joints.
+        model: the robot.
+        poses: of its links, from `link_poses`.
         times: (F,) s.
         beside: the recording's folder, for meshes named relative to it.
         tint: of one of several files drawn in one place.
@@ -55,7 +57,6 @@ def draw_robot(
     """
     warnings: list[str] = []
     standing = {} if standing is None else standing
-    poses = link_poses(model.robot, model.frames, model.positions)
     for link, visuals in model.robot.links.items():
         X_WL = poses[link]
         if not visuals:
