@@ -216,7 +216,8 @@ const playback = (() => {
     element("repeat").setAttribute("aria-pressed", String(repeat));
   });
   window.addEventListener("keydown", (event) => {
-    if (event.target.matches("input:not([type=range]), select, button") || event.ctrlKey || event.metaKey) return;
+    const typing = event.target instanceof Element && event.target.matches("input:not([type=range]), select, button");
+    if (typing || event.ctrlKey || event.metaKey) return;
     const step = event.shiftKey ? 1 : 0.1;
     if (event.key === " ") animator.playing ? pause() : play();
     else if (event.key === "ArrowRight") seek(animator.time + step);

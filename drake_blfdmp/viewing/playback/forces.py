@@ -8,7 +8,7 @@ from drake_blfdmp.viewing.playback.poses import translation, z_along
 from drake_blfdmp.viewing.playback.reading import Played, Wrench
 from drake_blfdmp.viewing.playback.scene import CONE_POSE, Scene, ZCone, ZCylinder
 
-COLOUR = "#CC79A7"
+COLOUR = "#B0207A"
 _LONGEST = 0.35  # Of an arrow, m.
 _SHAFT, _HEAD = 0.010, 0.024  # Radii, m.
 _HEAD_LENGTH = 0.06  # m
@@ -70,11 +70,11 @@ def draw_forces(
         head = np.minimum(_HEAD_LENGTH, 0.6 * np.maximum(length, 1e-4))
         shaft = np.maximum(length - head, 1e-5)
         one = np.ones_like(length)
-        scene.add(f"{here}/arrow/shaft/rod", ZCylinder(_SHAFT, 1.0), COLOUR, opacity=opacity)
+        scene.add(f"{here}/arrow/shaft/rod", ZCylinder(_SHAFT, 1.0), COLOUR, opacity=opacity, in_front=True)
         scene.place(f"{here}/arrow/shaft/rod", translation([0.0, 0.0, 0.5]))
         scene.stretch(f"{here}/arrow/shaft", times, np.stack([one, one, shaft], axis=-1))
         scene.move(f"{here}/arrow/head", times, translation(np.stack([0 * one, 0 * one, shaft], axis=-1)))
-        scene.add(f"{here}/arrow/head/size/cone", ZCone(_HEAD, _HEAD_LENGTH), COLOUR, opacity=opacity)
+        scene.add(f"{here}/arrow/head/size/cone", ZCone(_HEAD, _HEAD_LENGTH), COLOUR, opacity=opacity, in_front=True)
         scene.place(f"{here}/arrow/head/size/cone", translation([0.0, 0.0, _HEAD_LENGTH / 2]) @ CONE_POSE)
         share = head / _HEAD_LENGTH
         scene.stretch(f"{here}/arrow/head/size", times, np.stack([share, share, share], axis=-1))

@@ -318,8 +318,11 @@ def _gathered(
         mine = positions.get(namespace, joints) if len(descriptions) > 1 else joints
         model = Model(robot, FrameTree(own, str(path)), mine)
         lost = [j.name for j in robot.joints.values() if j.movable and not _known(j.name, j.child, model)]
+        unseen = {j.name for j in robot.joints.values() if not _moves_something(j.child, model)}
         if lost and len(lost) < sum(joint.movable for joint in robot.joints.values()):
-            warnings.append(f"{path}: joint {lost[0]}{' and others' if len(lost) > 1 else ''}: no position; drawn at 0")
+            seen = [name for name in lost if name not in unseen]
+            also = " and others" if len(seen) > 1 else ""
+            warnings += [f"{path}: joint {name}{also}: no position; drawn at 0" for name in seen[:1]]
         elif lost and len(descriptions) == 1 and "points" not in vectors and not set(robot.links) & set(own):
             raise BlfDmpError(
                 f"{path}: no transforms: neither /tf nor /joint_states knows any link or joint of the robot "
@@ -335,6 +338,20 @@ def _gathered(
 def _known(joint: str, child: str, model: Model) -> bool:
     mimic = model.robot.joints[child].mimic
     return joint in model.positions or child in model.frames or (mimic is not None and mimic[0] in model.positions)
+
+
+def _moves_something(link: str, model: Model) -> bool:
+    """Whether the joint above `link` decides where anything is that is drawn."""
+    rest, passed = [link], set()
+    while rest:
+        link = rest.pop()
+        if link in model.frames or link in passed:
+            continue
+        passed.add(link)
+        if model.robot.links.get(link):
+            return True
+        rest += [joint.child for joint in model.robot.joints.values() if joint.parent == link]
+    return False
 
 
 def _has_points(vectors: Mapping[str, Mapping[str, np.ndarray]]) -> bool:

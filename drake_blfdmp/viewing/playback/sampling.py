@@ -132,7 +132,8 @@ class TopicSampler:
             values = between(before, after, share)
         else:
             part = share[:, None, None]
-            values = (1.0 - part) * before + part * after
+            with np.errstate(invalid="ignore"):
+                values = (1.0 - part) * before + part * after
         values[share == 0.0], values[share == 1.0] = before, after
         stream.values[start:end] = values
 

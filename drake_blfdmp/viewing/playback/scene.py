@@ -64,7 +64,7 @@ class Scene:
         *,
         opacity: float = 1.0,
         both_sides: bool = False,
-        shadow: bool = True,
+        in_front: bool = False,
     ) -> None:
         """Adds a shape.
 
@@ -74,18 +74,21 @@ class Scene:
             colour: red green blue in [0, 1], or CSS `#rrggbb`.
             opacity: 0 to 1.
             both_sides: whether faces are seen from inside, as of open meshes.
-            shadow: whether it casts and takes one.
+            in_front: whether it is seen through whatever hides it; it casts no shadow then.
         """
         material = geometry.MeshPhongMaterial(
             color=_hex(colour),
             opacity=float(opacity),
-            transparent=bool(opacity < 1.0),
+            transparent=bool(opacity < 1.0 or in_front),
+            depthTest=not in_front,
             side=_BOTH if both_sides else _FRONT,
             shininess=25,
         )
         self._object(path, geometry.Mesh(shape, material))
-        if not shadow:
+        if in_front:
+            self.set(f"{path}/<object>", "renderOrder", 1)
             self.set(f"{path}/<object>", "castShadow", False)
+            self.set(f"{path}/<object>", "receiveShadow", False)
 
     def add_lines(self, path: str, start: np.ndarray, end: np.ndarray, colour: str) -> None:
         """Adds segments from start (N, 3) to end (N, 3), m."""

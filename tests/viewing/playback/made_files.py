@@ -20,7 +20,8 @@ ARM = """<robot name="arm">
     <axis xyz="0 0 2"/></joint>
   <joint name="rail" type="prismatic"><parent link="upper"/><child link="slide"/><origin xyz="0.4 0 0"/>
     <axis xyz="1 0 0"/></joint>
-  <joint name="flange" type="fixed"><parent link="slide"/><child link="tool"/><origin rpy="0 0 1.5707963267948966"/></joint>
+  <joint name="flange" type="fixed"><parent link="slide"/><child link="tool"/>
+    <origin rpy="0 0 1.5707963267948966"/></joint>
   <joint name="follower" type="prismatic"><parent link="tool"/><child link="finger"/><axis xyz="0 0 1"/>
     <mimic joint="rail" multiplier="-0.5" offset="0.1"/></joint>
   <material name="blue"><color rgba="0 0 1 0.5"/></material>
@@ -96,3 +97,35 @@ class MadeFile:
     def event(self, t, text, topic="/events"):
         stamp = _type("builtin_interfaces/msg/Time")(sec=int(t), nanosec=0)
         self.message(topic, LOG, t, _type(LOG)(stamp, 20, "made", text, "", "", 0))
+
+
+def poke(path, seconds=4.0, *, law="default", shift=0.0, events=True):
+    """What a run writes: an arm that turns, a person whose hands part until their link leaves its band, a force."""
+    from drake_blfdmp.skeleton import LINKS, POINTS
+
+    with MadeFile(path) as file:
+        file.metadata("run", {"law": law})
+        file.description(ARM)
+        still = [0.0, 0.0, 0.0, 1.0]
+        file.transforms(0.0, [("world", "person", [1.2, 0.0, 0.0, *still])], "/tf_static")
+        for k in range(round(seconds * 50) + 1):
+            t, u = k / 50, k / 50 / seconds
+            turn = np.array([0.0, 0.0, np.sin(0.5 * (u + shift)), np.cos(0.5 * (u + shift))])
+            file.transforms(t, [("world", "base", [0.0, 0.0, 0.0, *still]), ("base", "upper", [0.0, 0.0, 0.1, *turn])])
+            file.transforms(
+                t, [("upper", "slide", [0.4 + 0.2 * u, 0.0, 0.0, *still]), ("slide", "tool", [0] * 3 + still)]
+            )
+            half = 0.10 + 0.20 * u
+            left = np.array([[-0.18, 0.0, 1.3], [-0.32, 0.1, 1.1], [-half, 0.35, 1.0]])
+            points = np.concatenate([left, left * [-1, 1, 1]])
+            names = [f"{point}_{axis}" for point in POINTS for axis in "xyz"]
+            file.joints(t, dict(zip(names, points.ravel(), strict=True)), "/points")
+            margin = dict.fromkeys((link.name for link in LINKS), 0.7)
+            file.joints(t, {**margin, "hands": 0.7 - u, "left_forearm": 0.1}, "/margin")
+            lengths = {f"{link.name}{end}": 0.3 for link in LINKS for end in ("", "_lower", "_upper")}
+            file.joints(t, {**lengths, "hands_lower": 0.16, "hands_upper": 0.36}, "/link_lengths")
+            file.wrench(t, "/contact/tool", "tool", [0.0, 0.0, 40.0 * (u > 0.5)])
+        if events:
+            file.event(0.5, "contact")
+            file.event(2.5, "let_go")
+    return path
