@@ -172,7 +172,8 @@ def test_a_file_without_person_margin_or_force_is_drawn_without(tmp_path):
 
 
 MESH_ROBOT = """<robot name="r"><link name="l">{}</link><joint name="j" type="revolute">
-<parent link="l"/><child link="m"/></joint><link name="m"><visual><geometry><box size="1 1 1"/></geometry></visual></link></robot>"""
+<parent link="l"/><child link="m"/></joint>
+<link name="m"><visual><geometry><box size="1 1 1"/></geometry></visual></link></robot>"""
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 

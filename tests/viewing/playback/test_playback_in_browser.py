@@ -41,7 +41,8 @@ const tool = viewer.scene_tree.find(["0", "robot0", "tool"]).object.getWorldPosi
 playback.seek(0);
 const before = viewer.scene_tree.find(["0", "robot0", "tool"]).object.getWorldPosition(new MeshCat.THREE.Vector3());
 if (tool.distanceTo(before) < 0.4) console.error("the tool moved by " + tool.distanceTo(before));
-expect("requests", performance.getEntriesByType("resource").map((e) => e.name).filter((n) => !n.startsWith("data:")).join(), "");
+const asked = performance.getEntriesByType("resource").map((entry) => entry.name);
+expect("requests", asked.filter((name) => !name.startsWith("data:")).join(), "");
 """
 
 

@@ -88,7 +88,7 @@ def test_one_namespaced_robot_takes_the_tf_there_is_at_whatever_rates(tmp_path):
     (model,) = played.models
     poses = link_poses(model.robot, model.frames, model.positions)
     assert np.allclose(poses["upper"][:, :2, 3], played.times[:, None], atol=1e-9)
-    assert played.warnings == (f"{tmp_path / 'one.mcap'}: joint rail and others: no position; drawn at 0",)
+    assert played.warnings == (f"{tmp_path / 'one.mcap'}: joint rail: no position; drawn at 0",)
 
 
 def refusal(path, **options):
