@@ -25,6 +25,7 @@ _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK_TIMES = struct.Struct("<QQ")
 _LARGEST_CHUNK = 1 << 30
+_LAST_NS = 1 << 62  # In the year 2116.
 
 Progress = Callable[[str, float], None]
 
@@ -88,18 +89,10 @@ def look_through(path: Path, progress: Progress) -> Contents:
             if missing:
                 stream.seek(chunk_at)
                 try:
-                    data = _chunk(stream, body)
+                    found = _open_chunk(contents, _chunk(stream, body))
                 except DamageError as error:
                     contents.damage = str(error)
                     break
-                times: dict[int, Times] = {}
-                for code, start, end in _inside(data):
-                    if code == Opcode.MESSAGE:
-                        channel, _, t, _ = _MESSAGE.unpack_from(data, start)
-                        _seen(times, channel, t, t, 1)
-                    else:
-                        _register(contents, code, data[start:end])
-                found = times
             for channel, seen in (found or {}).items():
                 _seen(contents.times, channel, seen.first, seen.last, seen.count)
             key = frozenset(found or ())
@@ -108,7 +101,11 @@ def look_through(path: Path, progress: Progress) -> Contents:
                 contents._sets.append(key)
             contents._set_of_chunk[-1] = known[key]
         elif opcode == Opcode.MESSAGE:
-            channel, _, t, _ = _MESSAGE.unpack(stream.read(_MESSAGE.size))
+            try:
+                channel, t = _head(stream.read(min(body, _MESSAGE.size)), 0, body)
+            except DamageError as error:
+                contents.damage = str(error)
+                break
             _seen(contents.times, channel, t, t, 1)
         elif opcode in (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA):
             _register(contents, opcode, stream.read(body))
@@ -157,12 +154,12 @@ def messages(
             data = _chunk(stream, body)
             for code, start, end in _inside(data):
                 if code == Opcode.MESSAGE:
-                    channel, _, t, _ = _MESSAGE.unpack_from(data, start)
+                    channel, t = _head(data, start, end)
                     if channel in wanted:
                         yield channel, t, data[start + _MESSAGE.size : end]
         elif opcode == Opcode.MESSAGE:
             data = stream.read(body)
-            channel, _, t, _ = _MESSAGE.unpack_from(data)
+            channel, t = _head(data, 0, len(data))
             if channel in wanted:
                 yield channel, t, data[_MESSAGE.size :]
 
@@ -229,6 +226,28 @@ def _inside(data: bytes) -> Iterator[tuple[int, int, int]]:
         at += length
 
 
+def _open_chunk(contents: Contents, data: bytes) -> dict[int, Times]:
+    """Takes the schemas and channels in a chunk, and returns the times of its messages."""
+    times: dict[int, Times] = {}
+    for code, start, end in _inside(data):
+        if code == Opcode.MESSAGE:
+            channel, t = _head(data, start, end)
+            _seen(times, channel, t, t, 1)
+        else:
+            _register(contents, code, data[start:end])
+    return times
+
+
+def _head(data: bytes, start: int, end: int) -> tuple[int, int]:
+    """Channel and log time of a message whose record is data[start:end]."""
+    if end - start < _MESSAGE.size:
+        raise DamageError(f"damaged: a message of {end - start} bytes")
+    channel, _, t, _ = _MESSAGE.unpack_from(data, start)
+    if t > _LAST_NS:
+        raise DamageError(f"damaged: a message at t = {t * 1e-9:g} s")
+    return channel, t
+
+
 def _indexes_behind(stream: BufferedReader, at: int) -> dict[int, Times] | None:
     """What the message indexes behind a chunk that ends at byte `at` say; None where there are none."""
     times: dict[int, Times] = {}
@@ -238,14 +257,14 @@ def _indexes_behind(stream: BufferedReader, at: int) -> dict[int, Times] | None:
         if len(head) < _RECORD.size:
             break
         opcode, length = _RECORD.unpack(head)
-        if opcode != Opcode.MESSAGE_INDEX:
+        if opcode != Opcode.MESSAGE_INDEX or length > _LARGEST_CHUNK:
             break
         body = stream.read(length)
-        if len(body) < length:
+        if len(body) < length or length % 16 != 6:
             break
         channel, _ = struct.unpack_from("<HI", body)
-        stamps = np.frombuffer(body, dtype="<u8", offset=6)[::2] if length > 6 else np.zeros(0, dtype="<u8")
-        if len(stamps):
+        stamps = np.frombuffer(body, dtype="<u8", offset=6)[::2]
+        if len(stamps) and int(stamps.max()) <= _LAST_NS:
             _seen(times, channel, int(stamps.min()), int(stamps.max()), len(stamps))
     return times or None
 

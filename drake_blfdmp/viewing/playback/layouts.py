@@ -12,6 +12,8 @@ import numpy as np
 from drake_blfdmp.ros2.cdr import CdrReader
 from drake_blfdmp.ros2.messages import JOINT_STATE, TF, WRENCH
 
+_LARGEST = 1e8  # m, rad or N; the browser draws with single precision.
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -34,9 +36,10 @@ class Layout:
         return bool(np.array_equal(raw[self._fixed], self._content))
 
     def values(self, message: bytes) -> np.ndarray:
-        """The numbers (rows, width) of a message that fits; a transform's in the order of its message."""
+        """The numbers (rows, width) of a message that fits, in its order; NaN where one is beyond any use."""
         raw = np.frombuffer(message, dtype=np.uint8)
-        return raw[self._columns].view("<f8").reshape(len(self.names), self.width).astype(float)
+        values = raw[self._columns].view("<f8").reshape(len(self.names), self.width).astype(float)
+        return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
 def layout_of(message_type: str, message: bytes) -> Layout:

@@ -151,7 +151,7 @@ def read_played(
         if not partial:
             raise BlfDmpError(_damaged(path, str(error))) from None
         warnings.append(f"{path}: {error}; what stands before is played")
-    sampled = {topics[number].topic: sampler.finish() for number, sampler in samplers.items()}
+    sampled = {number: sampler.finish() for number, sampler in samplers.items()}
     warnings += [f"{s.where}: {s.late} messages came late and are left out" for s in samplers.values() if s.late]
     played = _gathered(path, contents, topics, times, sampled, descriptions, static, warnings)
     inside = [(max(t, times[0]), text) for t, text in sorted(events) if t <= times[-1] + 1e-9]
@@ -285,7 +285,7 @@ def _gathered(
     contents: Contents,
     topics: Mapping[int, Channel],
     times: np.ndarray,
-    sampled: Mapping[str, Mapping[tuple[str, ...], np.ndarray]],
+    sampled: Mapping[int, Mapping[tuple[str, ...], np.ndarray]],
     descriptions: Mapping[str, str],
     static: Mapping[str, Mapping[str, tuple[str, np.ndarray]]],
     warnings: list[str],
@@ -295,8 +295,8 @@ def _gathered(
     positions: dict[str, dict[str, np.ndarray]] = {}
     vectors: dict[str, dict[str, np.ndarray]] = {}
     wrenches: list[Wrench] = []
-    for channel in topics.values():
-        series, kind = sampled.get(channel.topic, {}), contents.type_of(channel)
+    for number, channel in topics.items():  # A topic may have several channels, one a publisher.
+        series, kind = sampled.get(number, {}), contents.type_of(channel)
         namespace, _, last = channel.topic.rpartition("/")
         if kind == WRENCH:
             wrenches += [Wrench(channel.topic, name[0], values[:, :3]) for name, values in series.items()]
@@ -306,7 +306,7 @@ def _gathered(
         elif last == "joint_states":
             positions.setdefault(namespace, {}).update({name[0]: values[:, 0] for name, values in series.items()})
         elif kind == JOINT_STATE:
-            vectors[last] = {name[0]: values[:, 0] for name, values in series.items()}
+            vectors.setdefault(last, {}).update({name[0]: values[:, 0] for name, values in series.items()})
     everything = {child: edge for found in edges.values() for child, edge in found.items()}
     joints = {name: values for found in positions.values() for name, values in found.items()}
     models = []

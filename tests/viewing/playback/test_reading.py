@@ -239,3 +239,25 @@ def test_memory_does_not_grow_with_the_file(tmp_path):
     kilobytes = int(done.stdout)
     unit = 1024 if sys.platform != "darwin" else 1
     assert kilobytes * unit < 40e6, "a file of 70 MB must not come into memory"
+
+
+@pytest.mark.parametrize("chunks", [True, False])
+def test_whatever_byte_is_wrong_there_is_one_line_or_a_page(tmp_path, chunks):
+    from drake_blfdmp.viewing.playback.page import render_page
+    from drake_blfdmp.viewing.playback.player import make_sheet
+
+    whole = arm(tmp_path / "whole.mcap", seconds=0.4, rate=20, use_chunking=chunks).read_bytes()
+    random = np.random.default_rng(7)
+    path = tmp_path / "wrong.mcap"
+    played = 0
+    for _ in range(150):
+        data = bytearray(whole)
+        for at in random.integers(0, len(data), random.integers(1, 8)):
+            data[at] = random.integers(0, 256)
+        path.write_bytes(data[: random.integers(len(data) // 2, len(data))] if random.random() < 0.2 else data)
+        try:
+            render_page(make_sheet([read_played(path, partial=bool(random.random() < 0.5))])[0])
+            played += 1
+        except BlfDmpError as error:
+            assert "\n" not in str(error)
+    assert 0 < played < 150
