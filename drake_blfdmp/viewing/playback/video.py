@@ -19,7 +19,7 @@ _MAC = (
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
 )
 SUFFIXES = (".mp4", ".gif")
-_SIZE = {".mp4": (1280, 720), ".gif": (720, 404)}  # Even, as H.264 wants it.
+_SIZE = {".mp4": (960, 540), ".gif": (720, 404)}  # Even, as H.264 wants it.
 _RATE = {".mp4": 25.0, ".gif": 12.5}  # GIFs count in hundredths of a second.
 _MOST_FRAMES = 6000
 _PATIENCE = 120.0  # s for a frame, the first of which waits for the browser's start.
