@@ -13,29 +13,16 @@ from mcap.records import Channel
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.ros2.cdr import CdrReader
-from drake_blfdmp.ros2.messages import JOINT_STATE, LOG, STRING, TF, WRENCH
+from drake_blfdmp.ros2.messages import JOINT_STATE, TF, WRENCH
 from drake_blfdmp.skeleton import POINTS
 from drake_blfdmp.viewing.playback.chunks import Contents, DamageError, Progress, look_through, messages
 from drake_blfdmp.viewing.playback.frames import FrameTree
 from drake_blfdmp.viewing.playback.sampling import LONGEST_GAP_NS, TopicSampler
+from drake_blfdmp.viewing.playback.topics import frame_times, last_part, moving_span, wanted_topics
 from drake_blfdmp.viewing.playback.urdf import Robot, parse_urdf
 
-MOST_FRAMES = 1000
-FRAMES_HZ = 30.0
 _MOST_EVENTS = 200
 _SLOW_HZ = 2.0
-_KNOWN = {
-    "robot_description": STRING,
-    "joint_states": JOINT_STATE,
-    "tf": TF,
-    "tf_static": TF,
-    "events": LOG,
-    "points": JOINT_STATE,
-    "margin": JOINT_STATE,
-    "link_lengths": JOINT_STATE,
-    "bands": JOINT_STATE,
-}
-"""Last part of a topic's name -> the type it has; any topic of type WrenchStamped is a force."""
 
 
 def _silent(what: str, share: float) -> None:
@@ -117,14 +104,14 @@ def read_played(
         if not partial:
             raise BlfDmpError(_damaged(path, contents.damage))
         warnings.append(f"{path}: {contents.damage}; what stands before is played")
-    topics = _topics(contents)
-    first_ns, last_ns = _span(contents, topics)
-    times = _frame_times(path, (last_ns - first_ns) * 1e-9, start, end)
+    topics = wanted_topics(contents)
+    first_ns, last_ns = moving_span(contents, topics)
+    times = frame_times(path, (last_ns - first_ns) * 1e-9, start, end)
     times_ns = first_ns + np.round(times * 1e9).astype(np.int64)
     samplers = {
         number: TopicSampler(f"{path}: {channel.topic}", contents.type_of(channel), times_ns)
         for number, channel in topics.items()
-        if contents.type_of(channel) in (JOINT_STATE, TF, WRENCH) and _last(channel) != "tf_static"
+        if contents.type_of(channel) in (JOINT_STATE, TF, WRENCH) and last_part(channel) != "tf_static"
     }
     descriptions: dict[str, str] = {}
     static: dict[str, dict[str, tuple[str, np.ndarray]]] = {}
@@ -143,7 +130,7 @@ def read_played(
             channel = topics[number]
             where = f"{path}: {channel.topic}"
             namespace = channel.topic.rpartition("/")[0]
-            if _last(channel) == "tf_static":
+            if last_part(channel) == "tf_static":
                 _take_static(where, message, t_ns, static.setdefault(namespace, {}))
             else:
                 _take_text(where, channel, message, (t_ns - first_ns) * 1e-9, namespace, descriptions, events)
@@ -170,86 +157,6 @@ def _damaged(path: Path, damage: str) -> str:
     )
 
 
-def _last(channel: Channel) -> str:
-    """The topic's name without its namespace."""
-    return channel.topic.rpartition("/")[2]
-
-
-def _topics(contents: Contents) -> dict[int, Channel]:
-    """The channels that playback reads, of those with messages.
-
-    Raises:
-        BlfDmpError: the profile is another one; a topic that playback knows has another type; none is there.
-    """
-    path = contents.path
-    if contents.profile not in ("ros2", ""):
-        raise BlfDmpError(
-            f"{path}: profile '{contents.profile}' in place of 'ros2'; convert it to ROS 2 messages first"
-        )
-    topics: dict[int, Channel] = {}
-    strange: list[str] = []
-    for number in contents.times:
-        channel = contents.channels.get(number)
-        if channel is None:
-            continue
-        kind, expected = contents.type_of(channel), _KNOWN.get(_last(channel))
-        if kind in (WRENCH, expected):
-            if channel.message_encoding == "cdr":
-                topics[number] = channel
-            else:
-                strange.append(f"{channel.topic} is encoded as '{channel.message_encoding}' in place of 'cdr'")
-        elif _last(channel) in ("robot_description", "joint_states", "tf", "tf_static"):
-            strange.append(f"{channel.topic} has the schema '{kind or 'none'}' in place of {expected}")
-    found = {_last(channel) for channel in topics.values()}
-    described, points = "robot_description" in found, "points" in found
-    if not described and not points:
-        there = strange or [f"its topics: {', '.join(sorted(c.topic for c in contents.channels.values())) or 'none'}"]
-        raise BlfDmpError(
-            f"{path}: nothing to draw, neither /robot_description ({STRING}) nor /points ({JOINT_STATE}); {there[0]}"
-        )
-    if not points and not found & {"tf", "joint_states"}:
-        there = strange or ["record one of them"]
-        raise BlfDmpError(f"{path}: no transforms: neither /tf ({TF}) nor /joint_states ({JOINT_STATE}); {there[0]}")
-    return topics
-
-
-def _span(contents: Contents, topics: Mapping[int, Channel]) -> tuple[int, int]:
-    """First and last time (ns) of what moves.
-
-    Raises:
-        BlfDmpError: all of it is at one time.
-    """
-    moving = [contents.times[n] for n, c in topics.items() if contents.type_of(c) not in (STRING, LOG)]
-    moving = [
-        contents.times[n]
-        for n, c in topics.items()
-        if contents.type_of(c) in (JOINT_STATE, TF) and _last(c) != "tf_static"
-    ] or moving
-    first, last = min(times.first for times in moving), max(times.last for times in moving)
-    if last <= first:
-        raise BlfDmpError(
-            f"{contents.path}: zero duration, all that moves is at t = {first * 1e-9:.3f} s; there is nothing to play"
-        )
-    return first, last
-
-
-def _frame_times(path: Path, duration: float, start: float | None, end: float | None) -> np.ndarray:
-    """Frame times (F,), s since the first message, at most MOST_FRAMES.
-
-    Raises:
-        BlfDmpError: the part asked for is empty, or beyond the file's end.
-    """
-    begin, stop = 0.0 if start is None else start, duration if end is None else min(end, duration)
-    if not (np.isfinite(begin) and begin >= 0.0) or (end is not None and not np.isfinite(end)):
-        raise BlfDmpError(f"{path}: --from {start} --to {end}: give seconds from 0 to {duration:.2f}")
-    if begin >= duration:
-        raise BlfDmpError(f"{path}: --from {begin:g} is not before the file's end at {duration:.2f} s")
-    if begin >= stop:
-        raise BlfDmpError(f"{path}: --from {begin:g} is not before --to {stop:g}; the part to play is empty")
-    count = int(np.clip(round((stop - begin) * FRAMES_HZ) + 1, 2, MOST_FRAMES))
-    return np.linspace(begin, stop, count)
-
-
 def _take_static(where: str, message: bytes, t_ns: int, edges: dict[str, tuple[str, np.ndarray]]) -> None:
     sampler = TopicSampler(where, TF, np.array([t_ns]))
     sampler.add(t_ns, message)
@@ -269,7 +176,7 @@ def _take_text(
     """Takes a description or an event."""
     try:
         reader = CdrReader(message)
-        if _last(channel) == "robot_description":
+        if last_part(channel) == "robot_description":
             descriptions[namespace] = reader.string()
         else:
             reader.stamp()

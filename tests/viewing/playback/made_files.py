@@ -67,6 +67,10 @@ class MadeFile:
         t_ns = self._start + round(t * 1e9)
         self._writer.add_message(self._channels[topic], t_ns, bytes(data), t_ns)
 
+    def another_publisher(self, topic):
+        """What comes next on the topic has a channel of its own."""
+        self._channels.pop(topic, None)
+
     def message(self, topic, kind, t, message):
         self.raw(topic, kind, t, STORE.serialize_cdr(message, kind))
 

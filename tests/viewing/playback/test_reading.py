@@ -10,7 +10,8 @@ from mcap.writer import CompressionType, IndexType
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.viewing.playback.kinematics import link_poses
-from drake_blfdmp.viewing.playback.reading import MOST_FRAMES, read_played
+from drake_blfdmp.viewing.playback.reading import read_played
+from drake_blfdmp.viewing.playback.topics import MOST_FRAMES
 
 STILL = [0.0, 0.0, 0.0, 1.0]
 
@@ -261,3 +262,15 @@ def test_whatever_byte_is_wrong_there_is_one_line_or_a_page(tmp_path, chunks):
         except BlfDmpError as error:
             assert "\n" not in str(error)
     assert 0 < played < 150
+
+
+def test_two_publishers_of_one_topic_are_both_heard(tmp_path):
+    with MadeFile(tmp_path / "two.mcap") as file:
+        file.description()
+        for name, sign in (("shoulder", 1.0), ("rail", -1.0)):
+            file.another_publisher("/joint_states")
+            for k in range(101):
+                file.joints(k / 100, {name: sign * k / 100})
+    positions = read_played(tmp_path / "two.mcap").models[0].positions
+    assert set(positions) == {"shoulder", "rail"}
+    assert positions["shoulder"][-1] == 1.0 and positions["rail"][-1] == -1.0
