@@ -82,7 +82,12 @@ def _write(page: str, path: Path) -> None:
 
     try:
         with path.open("x", encoding="utf-8") as stream:
-            stream.write(page)
+            try:
+                stream.write(page)
+                stream.flush()
+            except OSError:
+                path.unlink()  # Half a page is of no use to anyone.
+                raise
     except OSError as error:
         raise BlfDmpError(f"--html {path}: cannot be written ({error.strerror}); name another file") from None
     print(f"page: {path}, {path.stat().st_size / 1e6:.1f} MB")
