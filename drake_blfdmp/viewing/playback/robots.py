@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 from meshcat import geometry
 
+from drake_blfdmp.link_state import rgb
 from drake_blfdmp.viewing.playback.bounds import Bounds
 from drake_blfdmp.viewing.playback.meshes import NoMeshError, find_mesh, mesh_geometry
 from drake_blfdmp.viewing.playback.poses import translation
 from drake_blfdmp.viewing.playback.reading import Model
-from drake_blfdmp.viewing.playback.scene import Scene, ZCylinder, blended, rgb
+from drake_blfdmp.viewing.playback.scene import Scene, ZCylinder, blended
 from drake_blfdmp.viewing.playback.urdf import Visual
 
 _STILL = 1e-5

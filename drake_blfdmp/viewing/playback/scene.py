@@ -145,12 +145,6 @@ def _hex(colour: tuple[float, ...] | str) -> int:
     return (red << 16) + (green << 8) + blue
 
 
-def rgb(colour: str) -> tuple[float, float, float]:
-    """Red green blue in [0, 1] of CSS `#rrggbb`."""
-    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
-    return red, green, blue
-
-
 def blended(colour: tuple[float, ...], other: tuple[float, ...], share: float) -> tuple[float, ...]:
     """Red green blue, `share` of the way to another colour."""
     return tuple((1.0 - share) * a + share * b for a, b in zip(colour[:3], other[:3], strict=True))

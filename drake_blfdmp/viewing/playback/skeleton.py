@@ -16,7 +16,7 @@ from drake_blfdmp.viewing.playback.frames import FrameTree
 from drake_blfdmp.viewing.playback.poses import about, translation, z_along
 from drake_blfdmp.viewing.playback.reading import Played
 from drake_blfdmp.viewing.playback.robots import Tint
-from drake_blfdmp.viewing.playback.scene import Legend, Scene, ZCylinder, blended, rgb
+from drake_blfdmp.viewing.playback.scene import Legend, Scene, ZCylinder, blended
 
 GHOST_AT = np.array([0.95, -0.1, 1.4])
 """Where the shoulders' middle starts in files without the frame `person`, m in W: beside the arms."""
@@ -143,7 +143,7 @@ def _sleeves(scene: Scene, path: str, wrists: np.ndarray, band: np.ndarray, time
 
 def _body(scene: Scene, path: str, shoulders: np.ndarray, times: np.ndarray, tint: Tint | None) -> Legend:
     """The body, upright below the shoulders and turned as they are, and its legs, as long as reach the floor."""
-    colour = looks.BODY if tint is None else blended(rgb(looks.BODY), rgb(tint.colour), _TINTED)
+    colour = looks.BODY if tint is None else blended(link_state.rgb(looks.BODY), link_state.rgb(tint.colour), _TINTED)
     opacity = looks.BODY_OPACITY * (1.0 if tint is None else tint.opacity)
     for name, (vertices, faces) in (("body", person_shape.body()), ("legs/shape", person_shape.legs())):
         shape = geometry.TriangularMeshGeometry(vertices.T, faces.T)

@@ -10,7 +10,8 @@ from made_files import MadeFile, poke
 from meshcat import geometry
 
 from drake_blfdmp.errors import BlfDmpError
-from drake_blfdmp.viewing.looks import LEGEND, STATE_COLOURS
+from drake_blfdmp.link_state import COLOURS
+from drake_blfdmp.viewing.looks import LEGEND
 from drake_blfdmp.viewing.playback.animation import Tracks
 from drake_blfdmp.viewing.playback.meshes import NoMeshError, find_mesh, mesh_geometry
 from drake_blfdmp.viewing.playback.page import render_page
@@ -78,7 +79,7 @@ def test_links_take_the_colour_of_their_margin(data):
         assert visible.ravel().tolist()[0] == (state == "inside")
         assert state == "inside" or times[1] == pytest.approx(since, abs=0.04)
     made = objects(data)
-    assert made["/0/person/left_forearm/rods/near"]["materials"][0]["color"] == int(STATE_COLOURS["near"][1:], 16)
+    assert made["/0/person/left_forearm/rods/near"]["materials"][0]["color"] == int(COLOURS["near"][1:], 16)
     assert "/0/person/left_forearm/rods/outside" not in made, "it never is"
     assert set(LEGEND.items()) <= set(map(tuple, data["legend"]))
 
