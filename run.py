@@ -6,10 +6,9 @@
     python run.py inspect FILE                      what a recording holds, and whether a skill can be learned from it
     python run.py convert IN OUT                    any readable recording as CSV or MCAP
     python run.py recover FILE                      a complete recording of a run from one that was cut off
-    python run.py figures FILE.mcap                 the figures of a recorded run again, from its file alone
     python run.py playback RUN.mcap                 a recording of a run, or of another ROS 2 system, in the browser
     python run.py studies                           the paper's figures and claims: what there is; --help tells more
-    python run.py figures FILE.mcap                 the figures of a study again, from its file alone
+    python run.py figures FILE.mcap                 the figures of a run or study again, from its file alone
 
 Exit status: 0 success, 1 the run ended without success, 2 bad input.
 """

@@ -21,7 +21,7 @@ def test_the_figures_of_the_run_come_out_again_to_the_byte(command_line, default
     assert {path.name for path in folder.iterdir()} == {f"{name}.png" for name in FIGURES}
     for path in folder.iterdir():
         assert path.read_bytes() == (default_run.folder / path.name).read_bytes(), path.name
-    assert capfd.readouterr().out == f"{len(FIGURES)} figures: {folder}\n"
+    assert capfd.readouterr().out == f"{len(FIGURES)} files: {folder}\n"
 
 
 def refused(command_line, capfd, *arguments) -> str:

@@ -11,11 +11,11 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     """The command line after `figures`."""
     parser = argparse.ArgumentParser(
         prog="run.py figures",
-        description="Draw every figure of a recorded run again, from its file alone. With the same versions of this "
-        "package and of matplotlib they are the same, byte for byte, as those that the run drew.",
-        epilog="Exit status: 0 all drawn, 2 bad input.",
+        description="Draw every figure of a recorded run or of a study again, from its file alone. With the same "
+        "versions of this package and of matplotlib they are the same, byte for byte, as those that were drawn first.",
+        epilog="Exit status: 0 all drawn; 2 bad input, or a figure that this version cannot draw.",
     )
-    parser.add_argument("file", type=Path, metavar="FILE.mcap", help="what run.py recorded")
+    parser.add_argument("file", type=Path, metavar="FILE.mcap", help="run.mcap or study.mcap")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="new or empty folder for the figures; default <FILE>-figures beside it"
     )
@@ -34,8 +34,16 @@ def draw_run(file: Path, folder: Path, progress: Progress) -> list[Path]:
     return written
 
 
+def draw_study(file: Path, folder: Path, progress: Progress) -> list[Path]:
+    """Draw the figures of a study's file to a folder; raises BlfDmpError where the file is bad."""
+    from drake_blfdmp.viewing.redrawing import redraw_study
+
+    return redraw_study(file, folder, progress)
+
+
 DRAWERS: Mapping[str, Callable[[Path, Path, Progress], list[Path]]] = {
     "run": draw_run,
+    "study": draw_study,
 }
 """Metadata record -> what draws the recordings that have it; it makes the folder once it has read the file."""
 
@@ -72,5 +80,5 @@ def main(arguments: list[str], root: Path) -> int:
         written = DRAWERS[kind](options.file, folder, bar)
     finally:
         bar.finish()
-    print(f"{len(written)} figures: {folder}")
+    print(f"{len(written)} files: {folder}")
     return 0

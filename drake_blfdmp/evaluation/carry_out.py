@@ -14,6 +14,7 @@ from pydrake.systems.primitives import AffineSystem
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.last_states import LastStatesKept
+from drake_blfdmp.evaluation.live_session import LiveSession
 from drake_blfdmp.evaluation.run_recorder import GHOST_AT, AddRecorder
 from drake_blfdmp.evaluation.simulation import Simulate
 from drake_blfdmp.evaluation.summary import MakeSummary, dump

@@ -8,7 +8,16 @@ import pytest
 from drake_blfdmp.evaluation.run_diagram import RunDiagramDot
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-DRAKES = {"plant", "scene_graph", "recorder", "swivels", "points_and_margin", "ghost", "skeleton", "meshcat_visualizer(visualizer)"}
+DRAKES = {
+    "plant",
+    "scene_graph",
+    "recorder",
+    "swivels",
+    "points_and_margin",
+    "ghost",
+    "skeleton",
+    "meshcat_visualizer(visualizer)",
+}
 
 
 @pytest.fixture(scope="module")

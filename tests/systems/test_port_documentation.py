@@ -24,6 +24,8 @@ from drake_blfdmp.skill.orientation import OrientationSkill
 from drake_blfdmp.systems.arm_swivels import ArmSwivels
 from drake_blfdmp.systems.contact_wrenches import ContactWrenches
 from drake_blfdmp.systems.link_lengths import LinkLengths
+from drake_blfdmp.systems.live_goal import LiveGoal
+from drake_blfdmp.systems.live_push import LivePush
 from drake_blfdmp.systems.orientation_system import OrientationSystem
 from drake_blfdmp.systems.passed_times import PassedTimes
 from drake_blfdmp.systems.planned_pose import PlannedPose
