@@ -2,6 +2,7 @@
 
 One run:
 
+- `run_recorder`: what is recorded of a run, from which its figures are drawn. `planned_signals`: its part of the plan.
 - `run_logger`: what is logged while the diagram runs, and the `RunLog` made of it.
 - `metrics`: the numbers of `summary.json`, pure functions of a `RunLog` and the skill's rollouts. `summary`: the file.
 - `success`: the stated thresholds, and a sentence for each that is missed.
