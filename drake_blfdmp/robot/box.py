@@ -10,7 +10,6 @@ from pydrake.geometry import (
     AddContactMaterial,
     AddRigidHydroelasticProperties,
     Box,
-    Cylinder,
     ProximityProperties,
     Shape,
 )
@@ -19,11 +18,9 @@ from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import RigidBody, SpatialInertia
 
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.robot.box_look import AddBoxLook
-
-TOP_COLOR = (0.50, 0.56, 0.62, 1.0)
-EDGING_COLOR = (0.24, 0.27, 0.31, 1.0)
-LEG_COLOR = (0.30, 0.31, 0.33, 1.0)
+from drake_blfdmp.robot.box_look import BoxLook
+from drake_blfdmp.robot.look import AddLook
+from drake_blfdmp.robot.table_look import TableLeg, TableLook
 
 TABLE_MODULUS = 5.0e6  # Pa
 DISSIPATION = 1.0  # s/m, Hunt & Crossley
@@ -113,7 +110,7 @@ def AddBox(plant: MultibodyPlant, parameters: BoxParameters, name: str = "box") 
         AddRigidHydroelasticProperties(properties)
         X_BG = RigidTransform()
         plant.RegisterCollisionGeometry(body, X_BG, Box(*parameters.size), f"{name}_faces", properties)
-        AddBoxLook(plant, body, parameters.size, name)
+        AddLook(plant, body, BoxLook(parameters.size), name)
     return body
 
 
@@ -141,20 +138,10 @@ def AddTable(plant: MultibodyPlant, parameters: TableParameters) -> RigidBody:
     AddContactMaterial(DISSIPATION, None, _friction(TABLE_FRICTION), properties)
     AddCompliantHydroelasticProperties(max(width, depth), TABLE_MODULUS, properties)
     plant.RegisterCollisionGeometry(body, X_TS, slab, f"{name}_slab", properties)
-    plant.RegisterVisualGeometry(body, X_TS, slab, f"{name}_slab_visual", _vector(TOP_COLOR))
-    # An edging round the slab, 1 mm proud of its sides and short of its top, tells the top's outline from behind it.
-    edging = Box(width + 0.002, depth + 0.002, 0.7 * thickness)
-    X_TE = RigidTransform(_vector([0.0, 0.0, -0.65 * thickness]))
-    plant.RegisterVisualGeometry(body, X_TE, edging, f"{name}_edging_visual", _vector(EDGING_COLOR))
-
-    leg_length = parameters.top_center[2] - thickness
-    if leg_length > 0:
-        leg: Shape = Cylinder(0.15 * min(width, depth), leg_length)
-        X_TL = RigidTransform(_vector([0.0, 0.0, -thickness - leg_length / 2]))
-        plant.RegisterCollisionGeometry(body, X_TL, leg, f"{name}_leg", _friction(TABLE_FRICTION))
-        plant.RegisterVisualGeometry(body, X_TL, leg, f"{name}_leg_visual", _vector(LEG_COLOR))
-        foot_height = min(0.02, leg_length)
-        X_TF = RigidTransform(_vector([0.0, 0.0, -parameters.top_center[2] + foot_height / 2]))
-        foot = Cylinder(0.45 * min(width, depth), foot_height)
-        plant.RegisterVisualGeometry(body, X_TF, foot, f"{name}_foot_visual", _vector(LEG_COLOR))
+    dimensions = parameters.size, thickness, parameters.top_center[2]
+    leg = TableLeg(*dimensions)
+    if leg is not None:
+        X_TL = RigidTransform(_vector(leg.at))
+        plant.RegisterCollisionGeometry(body, X_TL, leg.shape, f"{name}_leg", _friction(TABLE_FRICTION))
+    AddLook(plant, body, TableLook(*dimensions), name)
     return body

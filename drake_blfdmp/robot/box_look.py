@@ -5,9 +5,8 @@ Illustration geometry alone; what it weighs and touches with is in `box`.
 
 import numpy as np
 from pydrake.geometry import Box
-from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import RigidBody
+
+from drake_blfdmp.robot.look import VisualPart
 
 BOX_COLOR = (0.76, 0.57, 0.36, 1.0)
 TAPE_COLOR = (0.90, 0.80, 0.60, 1.0)
@@ -18,13 +17,13 @@ MARK_COLOR = (0.13, 0.14, 0.16, 1.0)
 _PROUD = 0.001  # Of one layer over the one below, m; less would flicker.
 
 
-def AddBoxLook(plant: MultibodyPlant, body: RigidBody, size: np.ndarray, name: str) -> None:
-    """Adds the illustration geometry of a box of size (3,), m, its frame at its centre, to a body of a plant."""
+def BoxLook(size) -> list[VisualPart]:
+    """What a box of size (3,), m, with its frame at its centre, looks like."""
     size = np.asarray(size, dtype=float)
+    parts = []
 
     def add(part: str, extent, at=(0.0, 0.0, 0.0), color=MARK_COLOR, tilt: float = 0.0) -> None:
-        X_BG = RigidTransform(RollPitchYaw(0.0, tilt, 0.0), np.asarray(at, dtype=float))
-        plant.RegisterVisualGeometry(body, X_BG, Box(*extent), f"{name}_{part}", np.array(color))
+        parts.append(VisualPart(part, Box(*extent), tuple(at), color, tilt))
 
     add("visual", size, color=BOX_COLOR)
     # Round the middle, across the front, the top and the back.
@@ -40,6 +39,7 @@ def AddBoxLook(plant: MultibodyPlant, body: RigidBody, size: np.ndarray, name: s
             at[others] = np.array(signs) * (0.5 * size[others] + _PROUD - 0.5 * thick)
             add(f"edge_{'xyz'[axis]}{i}", extent, at, EDGE_COLOR)
     _add_label(add, size)
+    return parts
 
 
 def _add_label(add, size: np.ndarray) -> None:

@@ -9,11 +9,14 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
 import yaml
+from pydrake.geometry import Box, Cylinder
 from scipy.spatial.transform import Rotation
 
-from drake_blfdmp.robot.box import TOP_COLOR, BoxParameters, TableParameters
-from drake_blfdmp.robot.box_look import BOX_COLOR
+from drake_blfdmp.robot.box import BoxParameters, TableParameters
+from drake_blfdmp.robot.box_look import BoxLook
+from drake_blfdmp.robot.look import VisualPart
 from drake_blfdmp.robot.models import ModelsDirectory
+from drake_blfdmp.robot.table_look import TableLook
 
 DRAKE = "{http://drake.mit.edu}"
 
@@ -34,10 +37,10 @@ def MakeSceneDescription(box: BoxParameters | None, tables: Sequence[TableParame
         _fix(scene, f"{instance}_{root}", f"{x} {y} {z}", f"{roll} {pitch} {yaw}")
     for table in tables:
         x, y, z = table.top_center
-        slab = _link(scene, table.name, (*table.size, table.thickness), TOP_COLOR, -0.5 * table.thickness)
-        _fix(scene, slab, f"{x} {y} {z}", "0 0 0")
+        look = TableLook(table.size, table.thickness, z)
+        _fix(scene, _link(scene, table.name, look, ("slab_visual", "leg_visual")), f"{x} {y} {z}", "0 0 0")
     if box is not None:
-        name = _link(scene, "box", tuple(box.size), BOX_COLOR, 0.0)
+        name = _link(scene, "box", BoxLook(box.size), ("visual",))
         joint = ET.SubElement(scene, "joint", name="box_free", type="floating")
         ET.SubElement(joint, "parent", link="world")
         ET.SubElement(joint, "child", link=name)
@@ -114,16 +117,28 @@ def _drop_drake(element: ET.Element) -> None:
             parent.remove(child)
 
 
-def _link(scene: ET.Element, name: str, size, color, height: float) -> str:
+def _link(scene: ET.Element, name: str, look: Sequence[VisualPart], touched: Sequence[str]) -> str:
+    """A link of visual parts, of which some, by their names, are what it is touched with, too."""
     link = ET.SubElement(scene, "link", name=name)
-    for kind in ("visual", "collision"):
-        part = ET.SubElement(link, kind)
-        ET.SubElement(part, "origin", xyz=f"0 0 {height:g}")
-        ET.SubElement(ET.SubElement(part, "geometry"), "box", size=" ".join(f"{value:g}" for value in size))
-        if kind == "visual":
-            material = ET.SubElement(part, "material", name=f"{name}_colour")
-            ET.SubElement(material, "color", rgba=" ".join(f"{value:g}" for value in color))
+    for part in look:
+        for kind in ("visual", "collision") if part.name in touched else ("visual",):
+            element = ET.SubElement(link, kind, name=f"{name}_{part.name}")
+            xyz = " ".join(f"{value:.6g}" for value in part.at)
+            ET.SubElement(element, "origin", xyz=xyz, rpy=f"0 {part.tilt:.6g} 0")
+            _add_shape(ET.SubElement(element, "geometry"), part.shape)
+            if kind == "visual":
+                # A material's name is the whole robot's: one for each colour.
+                rgba = " ".join(f"{value:g}" for value in part.color)
+                material = ET.SubElement(element, "material", name=f"colour_{rgba.replace(' ', '_')}")
+                ET.SubElement(material, "color", rgba=rgba)
     return name
+
+
+def _add_shape(geometry: ET.Element, shape: Box | Cylinder) -> None:
+    if isinstance(shape, Box):
+        ET.SubElement(geometry, "box", size=" ".join(f"{value:.6g}" for value in shape.size()))
+    else:
+        ET.SubElement(geometry, "cylinder", radius=f"{shape.radius():.6g}", length=f"{shape.length():.6g}")
 
 
 def _fix(scene: ET.Element, child: str, xyz: str, rpy: str) -> None:

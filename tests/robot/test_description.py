@@ -4,8 +4,10 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from pydrake.geometry import Role
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.systems.framework import DiagramBuilder
 
 from drake_blfdmp.recording.plant_names import plant_names
 from drake_blfdmp.robot.box import AddBox, AddTable, BoxParameters, TableParameters
@@ -158,3 +160,32 @@ def test_without_a_box_everything_else_is_the_same(text):
     names = [[link.get("name") for link in scene.findall("link")] for scene in (bare, whole)]
     assert [*names[0], "box"] == names[1]
     assert "box" not in {joint.find("child").get("link") for joint in bare.findall("joint")}
+
+
+def seen(plant, scene_graph, body):
+    """Shape, pose and colour of all that is seen of a body, in any order."""
+    inspector = scene_graph.model_inspector()
+    found = []
+    for geometry in inspector.GetGeometries(plant.GetBodyFrameIdOrThrow(body.index()), Role.kIllustration):
+        shape, X_BG = inspector.GetShape(geometry), inspector.GetPoseInFrame(geometry).GetAsMatrix4()
+        rgba = inspector.GetIllustrationProperties(geometry).GetProperty("phong", "diffuse")
+        size = shape.size() if hasattr(shape, "size") else [shape.radius(), shape.length()]
+        numbers = [*size, *X_BG.ravel(), rgba.r(), rgba.g(), rgba.b(), rgba.a()]
+        found.append((type(shape).__name__, *np.round(numbers, 5) + 0.0))
+    return sorted(found)
+
+
+@pytest.mark.parametrize("name", ["box", "table", "shelf"])
+def test_box_and_tables_look_as_in_the_simulation(text, name):
+    plants = []
+    for described in (False, True):
+        plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
+        if described:
+            Parser(plant=plant).AddModelsFromString(text, "urdf")
+        else:
+            AddBox(plant, BOX)
+            for table in TABLES:
+                AddTable(plant, table)
+        plant.Finalize()
+        plants.append(seen(plant, scene_graph, plant.GetBodyByName(name)))
+    assert plants[0] == plants[1] and len(plants[0]) >= 4
