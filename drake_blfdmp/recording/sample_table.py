@@ -2,7 +2,7 @@
 
 import numpy as np
 
-MOST_SAMPLES = 20_000
+MOST_SAMPLES = 10_000
 """So many rows are kept at most; an even number."""
 
 
