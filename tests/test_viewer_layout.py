@@ -41,7 +41,7 @@ def test_every_panel_and_path_leads_somewhere(default_run):
                 arm, number = path["label"].split()
                 assert found == f"{arm}_arm_panda_joint{number}", name
             else:
-                assert path["label"] == found.replace("_lower", " lower").replace("_upper", " upper"), name
+                assert path["label"] == re.sub("_(lower|upper)$", r" \1", found), name
     assert plotted == 5 + 15 + 3 + 14
     scene = configs["3D!scene"]
     for topic in scene["topics"]:

@@ -4,7 +4,7 @@ import atexit
 import os
 import shlex
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -198,12 +198,7 @@ class McapFile:
     def _finish_chunk(self) -> None:
         """Writes the chunk in progress, if it has any message."""
         pending = self._written.pending
-        begins = np.cumsum([0, *(len(records) for records, _, _ in pending)], dtype=np.uint64)
-        places = joined(
-            Places(block.channels, np.full_like(block.channels, t_ns), block.offsets + begin)
-            for (_, t_ns, block), begin in zip(pending, begins, strict=False)
-            if block is not None
-        )
+        places = joined(_places(pending))
         if len(places.time):
             self._append(*pack_chunk(b"".join(records for records, _, _ in pending), places, self._written.size))
         self._pending_bytes, self._chunk_end = 0, None
@@ -275,6 +270,20 @@ class McapFile:
             f"{self.path}: writing failed ({error.strerror}); free space there or record elsewhere; "
             f"what was written is kept, {recover_hint(self.path)}"
         )
+
+
+def _places(pending: Sequence[tuple[bytes, int, MessageBlock | None]]) -> Iterator[Places]:
+    """Where the messages of a chunk's pieces are, block by block: a chunk has many pieces of few kinds."""
+    kinds: dict[MessageBlock, list[tuple[int, int]]] = {}
+    at = 0
+    for records, t_ns, block in pending:
+        if block is not None:
+            kinds.setdefault(block, []).append((at, t_ns))
+        at += len(records)
+    for block, pieces in kinds.items():
+        begins, times = np.array(pieces, dtype=np.uint64).T[:, :, None]
+        shape = (len(pieces), len(block.channels))
+        yield Places(np.broadcast_to(block.channels, shape), np.broadcast_to(times, shape), begins + block.offsets)
 
 
 def _record(record: McapRecord) -> bytes:

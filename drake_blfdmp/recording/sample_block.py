@@ -31,6 +31,7 @@ class SampleBlock:
         self._order: list[np.ndarray] = [np.empty(0, dtype=int)]
         self._rounded = np.empty(0, dtype=int)
         self._parts: list[tuple[InputPort, np.ndarray]] = []
+        self._round: list[np.ndarray] = []
 
     def take(self, port: InputPort) -> np.ndarray:
         """The places among the values that the port's numbers get."""
@@ -54,6 +55,10 @@ class SampleBlock:
         """Lays everything out."""
         self.values = np.empty(self._count)
         self._parts = [(port, self.values[places[0] : places[0] + len(places)]) for port, places in self._ports]
+        # Whole stretches, because a list of places takes several times as long.
+        places = np.unique(self._rounded)
+        gaps = np.flatnonzero(np.diff(places) > 1) + 1
+        self._round = [self.values[part[0] : part[-1] + 1] for part in np.split(places, gaps) if len(part)]
         self.messages = MessageBlock(self._messages, np.concatenate(self._order))
 
     def fill(self, context: Context) -> None:
@@ -61,4 +66,5 @@ class SampleBlock:
         for port, part in self._parts:
             value: Any = port.Eval(context)
             part[:] = value
-        self.values[self._rounded] = self.values[self._rounded].astype(np.float32)
+        for part in self._round:
+            part[:] = part.astype(np.float32)
