@@ -1,6 +1,5 @@
 """What a run's figures need that is no signal of it: known before it starts, by the skill's clock. Without pydrake."""
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 
 from drake_blfdmp.quaternions import interpolated_poses
 from drake_blfdmp.recording.mcap_file import RecorderError
+from drake_blfdmp.recording.plain_data import PlainDataError, npz_arrays, npz_bytes
 
 ATTACHMENT = "planned.npz"
 """Name under which a recording holds it."""
@@ -60,7 +60,7 @@ class PlannedSignals:
         return None if self.box is None else interpolated_poses(self.clock, self.box, clock)
 
     def to_bytes(self) -> bytes:
-        """As `numpy.savez` writes it, in single precision but for the clock; the same signals give the same bytes."""
+        """An .npz file, in single precision but for the clock; the same signals give the same bytes."""
         arrays = {field.name: getattr(self, field.name) for field in fields(self)}
         return _packed({name: value for name, value in arrays.items() if value is not None}, exact=("clock",))
 
@@ -100,17 +100,14 @@ def read_measured(data: bytes, where: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _packed(arrays: Mapping[str, np.ndarray], exact: tuple[str, ...]) -> bytes:
-    stream = io.BytesIO()
     kinds = {name: float if name in exact else np.float32 for name in arrays}
-    np.savez(stream, allow_pickle=False, **{name: np.asarray(value, kinds[name]) for name, value in arrays.items()})
-    return stream.getvalue()
+    return npz_bytes({name: np.asarray(value, kinds[name]) for name, value in arrays.items()})
 
 
 def _unpacked(data: bytes, where: str, name: str) -> dict[str, np.ndarray]:
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            return {key: np.asarray(file[key], dtype=float) for key in file.files}
-    except Exception as error:  # Arbitrary bytes make the reader raise almost anything.
+        return {key: np.asarray(array, dtype=float) for key, array in npz_arrays(data).items()}
+    except (PlainDataError, TypeError, ValueError) as error:
         raise _not_ours(where, name, error) from None
 
 
