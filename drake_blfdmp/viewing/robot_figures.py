@@ -13,6 +13,7 @@ from drake_blfdmp.viewing import style
 
 _ARMS = ("left arm", "right arm")
 _JOINTS_PER_ARM = 7
+_LEAST_HEIGHT = 0.02  # m, that the figure of the box's height shows.
 
 
 def tilt_angle(quaternion: np.ndarray, quaternion_desired: np.ndarray) -> np.ndarray:
@@ -90,6 +91,9 @@ def box_height_tilt(log: RunLog) -> Figure:
     height.plot(log.t, log.box[:, 6], color=style.BLUE, linewidth=1.4, label="box")
     height.plot(log.t, log.box_desired[:, 6], **style.PLANNED, label="planned")
     height.set_ylabel("height (m)")
+    low, high = height.get_ylim()
+    if high - low < _LEAST_HEIGHT:  # A box that only stands would be drawn by its micrometres.
+        height.set_ylim((low + high - _LEAST_HEIGHT) / 2, (low + high + _LEAST_HEIGHT) / 2)
     degrees = np.degrees(tilt_angle(log.box[:, :4], log.box_desired[:, :4]))
     tilt.plot(log.t, degrees, color=style.BLUE, linewidth=1.4)
     tilt.set_ylabel("tilt (deg)")

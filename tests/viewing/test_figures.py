@@ -194,6 +194,14 @@ def test_box_tilt_is_drawn_in_degrees(run_log):
     assert np.max(tilt.get_lines()[0].get_ydata()) == pytest.approx(np.degrees(0.03), rel=0.01)
 
 
+def test_a_box_that_only_stands_is_not_drawn_by_its_micrometres(run_log):
+    still = np.tile(run_log.box[0], (len(run_log.t), 1))
+    still[:, 6] += 1e-7 * np.sin(run_log.t)
+    height, _ = box_height_tilt(dataclasses.replace(run_log, box=still, box_desired=still)).axes
+    low, high = height.get_ylim()
+    assert high - low == pytest.approx(0.02) and low < still[0, 6] < high
+
+
 def test_swivel_has_no_jump_where_the_angle_wraps(run_log):
     assert np.max(np.abs(np.diff(run_log.swivel[:, 1]))) > 6.0, "the made-up log should wrap"
     for axis in swivel(run_log).axes:
