@@ -37,10 +37,8 @@ class Ranges:
     error: float = 0.2
 
 
-HARDER = Ranges(
-    region_m=(0.9, 0.9, 0.5), width_m=(0.15, 0.60), mass_kg=(0.2, 12.0), friction=(0.25, 1.0), duration=(0.5, 1.5)
-)
-"""Ranges in which much cannot be done: for a sample of refusals."""
+HARDER = Ranges(region_m=(1.2, 1.2, 0.6), mass_kg=(0.2, 6.0), friction=(0.3, 1.0))
+"""Ranges in which much cannot be done, by the arms and not by the person who is filmed: for a sample of refusals."""
 
 
 @dataclass(frozen=True)
