@@ -5,6 +5,7 @@ mcap_recorder        McapRecorder, the LeafSystem that records a run
 event_recorder       EventRecorder: an event whenever a number that stands for a name changes
 plant_names          what of a plant is recorded, and under which names
 pose_rows            many poses at once as ROS 2 writes them
+sampler              what is written at every sample
 sample_block         the messages of a sample, and the ports their numbers come from
 message_block        those messages as one block of bytes
 mcap_file            the file under construction

@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -16,35 +16,12 @@ from pydrake.systems.framework import Context, DiagramBuilder, InputPort, LeafSy
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
 from drake_blfdmp.recording.plant_names import plant_names
 from drake_blfdmp.recording.pose_rows import PoseRows
-from drake_blfdmp.recording.sample_block import SampleBlock
+from drake_blfdmp.recording.sampler import Encode, RecordedBodies, RecordedJoints, RecordedPort, Sampler
 from drake_blfdmp.ros2 import messages as ros2_messages
-from drake_blfdmp.ros2.cdr import CdrTemplate
 
 _NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 _OWN_TOPICS = ("robot_description", "joint_states", "tf", "tf_static", "events")
 _FORCE_FIRST = np.array([3, 4, 5, 0, 1, 2])
-
-Encode = Callable[[int, np.ndarray], bytes]
-"""The message of a port's value at a time in ns."""
-
-
-class _Input(NamedTuple):
-    """A port that is recorded on a topic of its own.
-
-    Attributes:
-        channel, port: where to and where from.
-        content: template of its messages, or what makes them.
-        every: of how many samples one is recorded.
-        order: (n,) place in the port's value of each number in a template.
-        single_precision: whether these numbers are rounded.
-    """
-
-    channel: int
-    port: InputPort
-    content: CdrTemplate | Encode
-    every: int
-    order: np.ndarray
-    single_precision: bool = False
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
@@ -154,14 +131,8 @@ class McapRecorder(LeafSystem):
         self._body_poses_input: InputPort | None = None
         if bodies or static_bodies:
             self._body_poses_input = self.DeclareAbstractInputPort("body_poses", AbstractValue.Make([RigidTransform()]))
-        self._inputs: list[_Input] = []
-        # Of how many samples one is recorded -> its messages; those that are encoded one by one.
-        self._blocks: dict[int, SampleBlock] = {}
-        self._apart: list[_Input] = []
-        self._samples = 0
-        self._states = self._poses = np.empty(0)
-        self._moving = list(self._bodies.values())
-        self._pose_rows = PoseRows(len(self._moving))
+        self._inputs: list[RecordedPort] = []
+        self._sampler: Sampler | None = None
         self._last_ns: int | None = None
         self.DeclarePeriodicPublishEvent(1.0 / rate, 0.0, self._publish)
 
@@ -260,7 +231,7 @@ class McapRecorder(LeafSystem):
         written = [f"{name}.{element}" if element in self._joint_names else element for element in elements]
         template = ros2_messages.joint_state_template(written, velocity=False, effort=False)
         port, channel = self._declare(name, size, ros2_messages.JOINT_STATE, {"unit": unit}, every)
-        self._inputs.append(_Input(channel, port, template, every, np.arange(size), single_precision))
+        self._inputs.append(RecordedPort(channel, port, template, every, np.arange(size), single_precision))
         return port
 
     def AddWrenchInput(self, name: str, frame: str, *, single_precision: bool = False, every: int = 1) -> InputPort:
@@ -279,7 +250,7 @@ class McapRecorder(LeafSystem):
         """
         port, channel = self._declare(name, 6, ros2_messages.WRENCH, {"unit": "N, N m"}, every)
         template = ros2_messages.wrench_template(frame)
-        self._inputs.append(_Input(channel, port, template, every, _FORCE_FIRST, single_precision))
+        self._inputs.append(RecordedPort(channel, port, template, every, _FORCE_FIRST, single_precision))
         return port
 
     def AddMessageInput(
@@ -306,7 +277,7 @@ class McapRecorder(LeafSystem):
             RecorderError: the name is taken or unusable, or `every` is not 1 or more.
         """
         port, channel = self._declare(name, size, message_type, metadata or {}, every)
-        self._inputs.append(_Input(channel, port, encode, every, np.arange(size)))
+        self._inputs.append(RecordedPort(channel, port, encode, every, np.arange(size)))
         return port
 
     def Event(self, name: str, t: float) -> None:
@@ -365,15 +336,14 @@ class McapRecorder(LeafSystem):
         self._take_topic(name)
         return self.DeclareVectorInputPort(name, size), self._file.add_channel(f"/{name}", message_type, metadata)
 
-    def _start(self, context: Context, t_ns: int) -> None:
-        """Checks the connections, fixes the layout of joint states, and writes what is written once."""
+    def _start(self, context: Context, t_ns: int) -> Sampler:
+        """Checks the connections, writes what is written once, and fixes what a sample is."""
         required = [*self._state_inputs.values(), *(one.port for one in self._inputs)]
         if self._body_poses_input is not None:
             required.append(self._body_poses_input)
         for port in required:
             if not port.HasValue(context):
                 raise RecorderError(f"recorder: input port '{port.get_name()}' is not connected; connect it")
-        self._lay_out(context)
         if self._robot_description:
             self._file.write(self._description_channel, t_ns, ros2_messages.string_message(self._robot_description))
         still = self._still_frames(context)
@@ -381,6 +351,13 @@ class McapRecorder(LeafSystem):
             template = ros2_messages.tf_template(self._world_frame, list(still))
             rows = PoseRows(len(still)).fill([pose.GetAsMatrix34() for pose in still.values()])
             self._file.write(self._tf_static_channel, t_ns, template.encode(t_ns, rows))
+        joints = bodies = None
+        if self._state_inputs:
+            states, efforts = list(self._state_inputs.values()), list(self._effort_inputs.values())
+            joints = RecordedJoints(self._joint_states_channel, self._joint_names, states, efforts)
+        if self._bodies and self._body_poses_input is not None:
+            bodies = RecordedBodies(self._tf_channel, self._body_poses_input, self._world_frame, self._bodies)
+        return Sampler(context, joints, bodies, self._inputs)
 
     def _still_frames(self, context: Context) -> dict[str, RigidTransform]:
         """Name -> X_WF of every frame that does not move."""
@@ -396,56 +373,12 @@ class McapRecorder(LeafSystem):
         if file.closed:
             return
         t_ns = round(context.get_time() * 1e9)
-        if self._last_ns is None:
-            self._start(context, t_ns)
-        elif t_ns < self._last_ns:
+        if self._last_ns is not None and t_ns < self._last_ns:
             raise RecorderError(
                 f"{file.path}: time went back from {self._last_ns * 1e-9:.6g} s to {t_ns * 1e-9:.6g} s; "
                 "use a new recorder, and a new file, for each run"
             )
         self._last_ns = t_ns
-        self._blocks[1].fill(context)
-        # A sum, because it is several times faster than looking at each.
-        if not math.isfinite(self._states.sum()) and not np.isfinite(self._states).all():
-            return
-        if self._bodies:
-            poses: Any = self._body_poses_input.Eval(context)  # type: ignore[union-attr]
-            self._poses[:] = self._pose_rows.fill([poses[index].GetAsMatrix34() for index in self._moving])
-        for every, block in self._blocks.items():
-            if self._samples % every == 0:
-                if every > 1:
-                    block.fill(context)
-                file.write_block(block.messages, t_ns, block.values)
-        for one in self._apart:
-            if self._samples % one.every == 0:
-                value: Any = one.port.Eval(context)
-                file.write(one.channel, t_ns, one.content(t_ns, value))  # type: ignore[operator]
-        self._samples += 1
-
-    def _lay_out(self, context: Context) -> None:
-        """Fixes which messages a sample has, and where in them each port's numbers go."""
-        block = SampleBlock()
-        self._blocks = {1: block}
-        states = [block.take(port).reshape(2, -1) for port in self._state_inputs.values()]
-        state_count = sum(state.size for state in states)
-        if states:
-            fields = [state[0] for state in states] + [state[1] for state in states]
-            # JointState wants an effort for every joint or for none.
-            effort = all(port.HasValue(context) for port in self._effort_inputs.values())
-            if effort:
-                fields += [block.take(port) for port in self._effort_inputs.values()]
-            template = ros2_messages.joint_state_template(self._joint_names, effort=effort)
-            block.add(self._joint_states_channel, template, np.concatenate(fields))
-        for one in self._inputs:
-            if isinstance(one.content, CdrTemplate):
-                its = self._blocks.setdefault(one.every, SampleBlock())
-                places = its.take(one.port)[one.order]
-                its.add(one.channel, one.content, places, single_precision=one.single_precision)
-        self._apart = [one for one in self._inputs if not isinstance(one.content, CdrTemplate)]
-        places = block.room(7 * len(self._bodies))
-        if self._bodies:
-            block.add(self._tf_channel, ros2_messages.tf_template(self._world_frame, list(self._bodies)), places)
-        for its in self._blocks.values():
-            its.finish()
-        self._states = block.values[:state_count]
-        self._poses = block.values[len(block.values) - len(places) :].reshape(-1, 7)
+        if self._sampler is None:
+            self._sampler = self._start(context, t_ns)
+        self._sampler.write(context, t_ns, file)
