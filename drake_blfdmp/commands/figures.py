@@ -62,9 +62,9 @@ def main(arguments: list[str], root: Path) -> int:
         BlfDmpError: the file cannot be read or is none of ours, or the folder is not empty or cannot be written to.
     """
     options = parse(arguments)
-    from drake_blfdmp.commands.outputs import refuse_used_folder
     from drake_blfdmp.errors import RecordingError
     from drake_blfdmp.evaluation.console import ProgressBar
+    from drake_blfdmp.evaluation.folders import RefuseUsedFolder
     from drake_blfdmp.recording.kind import find_record
 
     folder = options.out or options.file.with_name(f"{options.file.stem}-figures")
@@ -74,7 +74,7 @@ def main(arguments: list[str], root: Path) -> int:
             f"{options.file}: not one of this package's recordings (no metadata record "
             f"{' or '.join(repr(name) for name in DRAWERS)}); give what run.py recorded"
         )
-    refuse_used_folder("--out" if options.out else "figures", folder)
+    RefuseUsedFolder("--out" if options.out else "figures", folder)
     bar = ProgressBar()
     try:
         written = DRAWERS[kind](options.file, folder, bar)

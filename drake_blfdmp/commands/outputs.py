@@ -17,13 +17,3 @@ def refuse_existing(what: str, path: Path | None) -> None:
         raise BlfDmpError(f"{what} {path}: exists already; nothing is overwritten, name another")
     if not path.absolute().parent.is_dir():
         raise BlfDmpError(f"{what} {path}: the folder {path.absolute().parent} does not exist; make it first")
-
-
-def refuse_used_folder(what: str, folder: Path) -> None:
-    """Refuse, before any work, to write into a folder in which something is.
-
-    Raises:
-        BlfDmpError: it is a file, or not empty.
-    """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise BlfDmpError(f"{what} {folder}: exists already and is not empty; nothing is overwritten, name another")

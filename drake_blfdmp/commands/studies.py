@@ -49,8 +49,8 @@ def main(arguments: list[str], root: Path) -> int:
     from drake_blfdmp.commands.drake_log import quieten
     from drake_blfdmp.errors import BlfDmpError
     from drake_blfdmp.evaluation import study_runner as runner
-    from drake_blfdmp.evaluation.carry_out import MakeRunFolder
     from drake_blfdmp.evaluation.console import ProgressBar
+    from drake_blfdmp.evaluation.folders import MakeRunFolder
 
     quieten()
     if options.name and options.all:

@@ -7,7 +7,7 @@ One run:
 - `metrics`: the numbers of `summary.json`, pure functions of a `RunLog` and the skill's rollouts. `summary`: the file.
 - `success`: the stated thresholds, and a sentence for each that is missed.
 - `live_session`: what is done to a run in the live view.
-- `carry_out`: one whole run and its output folder. `console`: the bar of its progress.
+- `carry_out`: one whole run. `folders`: where results go. `console`: the bar of its progress.
 
 Studies:
 

@@ -1,6 +1,5 @@
 """One whole run: plan, simulate, record, judge, and write its folder."""
 
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import AffineSystem
 
 from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
-from drake_blfdmp.errors import BlfDmpError
+from drake_blfdmp.evaluation.folders import MakeRunFolder, RefuseUsedFolder
 from drake_blfdmp.evaluation.last_states import LastStatesKept
 from drake_blfdmp.evaluation.live_session import LiveSession
 from drake_blfdmp.evaluation.run_recorder import GHOST_AT, AddRecorder
@@ -50,37 +49,6 @@ def SceneRate(plan: Plan) -> float:
     return min(plan.scenario.simulation.scene_rate_hz, MOST_SCENE_FRAMES / plan.duration_s)
 
 
-def RefuseUsedFolder(folder: Path) -> None:
-    """Raises BlfDmpError where a run's folder would overwrite something."""
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise BlfDmpError(f"--out {folder}: exists already and is not empty; nothing is overwritten, name another")
-
-
-def MakeRunFolder(folder: Path | None, name: str) -> Path:
-    """Create the run's folder; by default `runs/<name>-<date and time>`, made unique.
-
-    Raises:
-        BlfDmpError: a given folder exists and is not empty, or cannot be made.
-    """
-    try:
-        if folder is not None:
-            folder = Path(folder)
-            RefuseUsedFolder(folder)
-            folder.mkdir(parents=True, exist_ok=True)
-            return folder
-        stamp = time.strftime("%Y%m%d-%H%M%S")
-        for extra in ("", *(f"-{i}" for i in range(2, 1000))):
-            folder = Path("runs") / f"{name}-{stamp}{extra}"
-            try:
-                folder.mkdir(parents=True)
-                return folder
-            except FileExistsError:
-                continue
-    except OSError as error:
-        raise BlfDmpError(f"{folder}: the run's folder cannot be made ({error.strerror})") from error
-    raise BlfDmpError(f"runs/{name}-{stamp}: too many runs in one second; name a folder with --out")
-
-
 def CarryOut(
     scenario: Scenario,
     folder: Path | None = None,
@@ -100,7 +68,7 @@ def CarryOut(
         BlfDmpError: one line that says what, where and what to do. Files already written stay.
     """
     if folder is not None:
-        RefuseUsedFolder(Path(folder))  # Said before the planning, not after it.
+        RefuseUsedFolder("--out", Path(folder))  # Said before the planning, not after it.
     plan = MakePlan(scenario, progress)
     folder = MakeRunFolder(folder, scenario.name)
     (folder / "scenario.yaml").write_text(DumpScenario(scenario), encoding="utf-8")
