@@ -17,18 +17,11 @@ import signal
 import sys
 from importlib import import_module
 from pathlib import Path
-from types import FrameType
+
+from drake_blfdmp import interruption
 
 ROOT = Path(__file__).resolve().parent
 COMMANDS = ("inspect", "convert", "recover", "figures", "playback", "studies")
-
-
-class Terminated(KeyboardInterrupt):
-    """SIGTERM or SIGHUP came: everything is closed as after Ctrl-C."""
-
-
-def _terminate(number: int, frame: FrameType | None) -> None:
-    raise Terminated(number)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -42,26 +35,27 @@ def main(arguments: list[str] | None = None) -> int:
         from drake_blfdmp.commands import run
 
         return run.main(arguments, ROOT, (__doc__ or "").split("\n\n")[0])
-    except BlfDmpError as error:
-        print(f"run.py: {error}", file=sys.stderr)
-        return error.exit_status
-    except BrokenPipeError:
-        raise  # Whoever read the output has gone.
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        print(f"run.py: {where}{error.strerror or error}; free space there or name another place", file=sys.stderr)
-        return 2
-    except Terminated as error:
-        print(f"run.py: terminated by {signal.Signals(error.args[0]).name}", file=sys.stderr)
-        return 128 + error.args[0]
     except KeyboardInterrupt:
-        print("run.py: interrupted", file=sys.stderr)
-        return 130
+        return _ended_by(interruption.received() or signal.SIGINT)
+    except Exception as error:
+        number = interruption.received()
+        if number is not None:  # Bindings may have made another exception of it.
+            return _ended_by(number)
+        if isinstance(error, BlfDmpError):
+            print(f"run.py: {error}", file=sys.stderr)
+            return error.exit_status
+        if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):  # Else the output's reader has gone.
+            where = f"{error.filename}: " if error.filename else ""
+            print(f"run.py: {where}{error.strerror or error}; free space there or name another place", file=sys.stderr)
+            return 2
+        raise
+
+
+def _ended_by(number: int) -> int:
+    print(f"run.py: {interruption.told(number)}", file=sys.stderr)
+    return 128 + number
 
 
 if __name__ == "__main__":
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # Else somebody ignores it: nohup.
-            signal.signal(number, _terminate)
+    interruption.listen()
     sys.exit(main())

@@ -4,6 +4,7 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram
 
+from drake_blfdmp import interruption
 from drake_blfdmp.diagrams.non_finite import described, find_origin, set_state, state_of, states_by_system
 from drake_blfdmp.errors import NonFiniteError, SimulationError
 
@@ -47,6 +48,7 @@ class FiniteGuard:
         except SimulationError:
             raise
         except Exception as error:
+            interruption.check()
             self._explain(self._simulator.get_context(), error)
             if type(error) is not RuntimeError:  # Drake's own; anything else has a name and a place already.
                 raise

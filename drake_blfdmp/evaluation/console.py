@@ -4,6 +4,8 @@ import sys
 import time
 from typing import TextIO
 
+from drake_blfdmp import interruption
+
 
 class ProgressBar:
     """One line a stage, redrawn in place on a terminal, written once at its end elsewhere."""
@@ -18,7 +20,12 @@ class ProgressBar:
         self._drawn = 0.0
 
     def __call__(self, what: str, share: float) -> None:
-        """Show that `what` is done by `share`, 0 to 1."""
+        """Show that `what` is done by `share`, 0 to 1.
+
+        Raises:
+            KeyboardInterrupt: a signal came that was lost on its way (`interruption.check`).
+        """
+        interruption.check()
         now = time.monotonic()
         if what != self._what:
             self.finish()

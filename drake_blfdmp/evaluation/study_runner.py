@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from drake_blfdmp import interruption
 from drake_blfdmp.errors import BlfDmpError, ScenarioError
 from drake_blfdmp.evaluation.report import write_report
 from drake_blfdmp.evaluation.study import FigureFile, Study, StudyContext, StudyResult
@@ -199,6 +200,7 @@ def _run(
         )
         progress("writing", 1.0)
     except (Exception, SystemExit) as error:
+        interruption.check()
         if folder.is_dir():
             (folder / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
         message = " ".join(str(error).split())

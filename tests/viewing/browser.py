@@ -3,9 +3,11 @@
 import base64
 import json
 import os
+import select
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -42,8 +44,27 @@ def open_at(page, time, directory, *, script="", size=(640, 480)):
     switches += f"window-size={size[0]},{size[1]}"
     command = [BROWSER, *(f"--{switch}" for switch in switches.split()), f"--user-data-dir={directory / 'profile'}"]
     command += [f"--screenshot={picture}", copy.as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    done = patiently(lambda: _run(command))
     return imread(picture)[..., :3], [row for row in done.stderr.splitlines() if "PAGE-ERROR" in row]
+
+
+class BrowserStalled(Exception):
+    """The browser, and not the page in it, has stopped to answer."""
+
+
+def patiently(use):
+    """What `use()` comes to; once more in a new browser if the first stalls, as a headless one at times does."""
+    try:
+        return use()
+    except BrowserStalled:
+        return use()
+
+
+def _run(command):
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    except subprocess.TimeoutExpired as error:
+        raise BrowserStalled(str(error)) from None
 
 
 def coloured(pixels, red, green, blue):
@@ -52,6 +73,9 @@ def coloured(pixels, red, green, blue):
     low = np.where([red, green, blue], 0.0, pixels).max(axis=-1)
     return int(np.sum(high - low > 0.25))
 
+
+# The slowest answer on a busy machine takes some seconds.
+_ANSWER_S = 60.0
 
 # Chromium listens at file descriptor 3 and answers at 4.
 _JOINED = """import fcntl, os, sys
@@ -64,6 +88,7 @@ class LivePage:
     """A page of a server in a headless browser that stays open, driven through the browser's debugging pipe.
 
     Use it as a context manager; `evaluate` runs JavaScript in the page and hands back what it gives, as JSON allows.
+    What the browser does not answer in a minute raises BrowserStalled.
     """
 
     def __init__(self, url, directory, *, size=(900, 600)):
@@ -76,34 +101,50 @@ class LivePage:
         switches += "disable-background-networking disable-component-update disable-sync hide-scrollbars "
         switches += f"remote-debugging-pipe window-size={self._size[0]},{self._size[1]}"
         command = [BROWSER, *(f"--{switch}" for switch in switches.split())]
-        command += [f"--user-data-dir={self._directory / 'live-profile'}", "about:blank"]
+        command += [f"--user-data-dir={tempfile.mkdtemp(dir=self._directory)}", "about:blank"]
         joined = [sys.executable, "-c", _JOINED, str(to_browser), str(from_browser), *command]
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self._process = subprocess.Popen(joined, pass_fds=(to_browser, from_browser), **quiet)
         os.close(to_browser), os.close(from_browser)
-        self._to, self._from = os.fdopen(from_here, "wb"), os.fdopen(to_here, "rb")
+        self._to, self._from = os.fdopen(from_here, "wb"), os.fdopen(to_here, "rb", buffering=0)
         self._rest, self._session = b"", {}
-        target = self._ask("Target.createTarget", url=self._url)["targetId"]
-        self._session = {"sessionId": self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]}
+        try:
+            target = self._ask("Target.createTarget", url=self._url)["targetId"]
+            attached = self._ask("Target.attachToTarget", targetId=target, flatten=True)
+        except BaseException:
+            self._end()
+            raise
+        self._session = {"sessionId": attached["sessionId"]}
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, kind, *_):
         self._session = {}
         try:
-            self._ask("Browser.close")
+            if kind is None:
+                self._ask("Browser.close")
+                self._process.wait(timeout=_ANSWER_S)
+        except subprocess.TimeoutExpired:
+            pass  # It has said that it closes: nothing more is asked of it.
         finally:
-            self._process.wait(timeout=30)
-            self._to.close(), self._from.close()
+            self._end()
+
+    def _end(self):
+        self._process.kill()
+        self._process.wait()
+        self._to.close(), self._from.close()
 
     def _ask(self, method, **parameters):
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters, **self._session}
         self._to.write(json.dumps(message).encode() + b"\0")
         self._to.flush()
+        end = time.monotonic() + _ANSWER_S
         while True:
             while b"\0" not in self._rest:
-                read = self._from.read1(1 << 20)
-                assert read, "the browser has gone"
+                ready, _, _ = select.select([self._from], [], [], max(0.0, end - time.monotonic()))
+                read = self._from.read(1 << 20) if ready else b""
+                if not read:
+                    raise BrowserStalled(f"{method}: {'the browser has gone' if ready else 'no answer'}")
                 self._rest += read
             line, self._rest = self._rest.split(b"\0", 1)
             answer = json.loads(line)

@@ -1,11 +1,12 @@
 """The live view's sliders and buttons, clicked as a browser's message clicks them, and in a real browser."""
 
 import time
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 import umsgpack
-from browser import LivePage, needs_browser
+from browser import LivePage, needs_browser, patiently
 
 from drake_blfdmp.viewing.live_controls import CONTINUE, PAUSE, SPEED, LiveControls, Place, goal_slider
 from drake_blfdmp.viewing.meshcat_scene import set_scene_camera, start_meshcat
@@ -20,8 +21,8 @@ def meshcat():
     return start_meshcat(port=0)
 
 
-@pytest.fixture
-def controls(meshcat):
+@contextmanager
+def every_control(meshcat):
     made = LiveControls(
         meshcat,
         goal=PLANNED,
@@ -29,8 +30,16 @@ def controls(meshcat):
         pushes=PUSHES,
         place=Place(np.array([0.1276, 0.5447, 0.35]), 0.06, (0.30, 0.20)),
     )
-    yield made
-    made.delete()
+    try:
+        yield made
+    finally:
+        made.delete()
+
+
+@pytest.fixture
+def controls(meshcat):
+    with every_control(meshcat) as made:
+        yield made
 
 
 def click(meshcat, name):
@@ -95,10 +104,14 @@ def test_the_goals_sliders_go_when_it_is_settled_and_all_goes_at_the_end(meshcat
 
 
 @needs_browser
-def test_in_a_browser_the_controls_are_there_and_are_heard(meshcat, controls, tmp_path):
+def test_in_a_browser_the_controls_are_there_and_are_heard(meshcat, tmp_path):
+    patiently(lambda: use_the_controls(meshcat, tmp_path))
+
+
+def use_the_controls(meshcat, tmp_path):
     set_scene_camera(meshcat)
     row = "[...document.querySelectorAll('.property-name')].find(e => e.textContent === %r)"
-    with LivePage(meshcat.web_url(), tmp_path) as page:
+    with every_control(meshcat) as controls, LivePage(meshcat.web_url(), tmp_path) as page:
         for label in (X, Y, SPEED, *PUSHES, PAUSE):
             page.wait_for(f"Boolean({row % label})")
         page.evaluate("document.querySelector('.close-button').click()")
