@@ -106,7 +106,7 @@ class LivePage:
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self._process = subprocess.Popen(joined, pass_fds=(to_browser, from_browser), **quiet)
         os.close(to_browser), os.close(from_browser)
-        self._to, self._from = os.fdopen(from_here, "wb"), os.fdopen(to_here, "rb", buffering=0)
+        self._to, self._from = os.fdopen(from_here, "wb", 0), os.fdopen(to_here, "rb", 0)
         self._rest, self._session = b"", {}
         try:
             target = self._ask("Target.createTarget", url=self._url)["targetId"]
@@ -136,8 +136,10 @@ class LivePage:
     def _ask(self, method, **parameters):
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters, **self._session}
-        self._to.write(json.dumps(message).encode() + b"\0")
-        self._to.flush()
+        try:
+            self._to.write(json.dumps(message).encode() + b"\0")
+        except BrokenPipeError:
+            raise BrowserStalled(f"{method}: the browser has gone") from None
         end = time.monotonic() + _ANSWER_S
         while True:
             while b"\0" not in self._rest:
