@@ -9,6 +9,7 @@ from drake_blfdmp.planning.box_path import UpOverDown, lacking_room
 from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift, carried, hands_middle, rise
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.moved_carry import CarryEnds, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
+from drake_blfdmp.planning.open_palms import ROOM, CheckOpenPalms
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
     BelowPalms,
@@ -106,13 +107,16 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         if scale is None:
             unmoved[trim] = MakeUnmoved(trimmed, source, kinematics, limits, progress)
         plan = _plan(trimmed, source, box, arms, progress, heed_clearance, unmoved[trim], scale)
-        if heed_clearance and trim > TRIMS[-1] and not whole:
-            _check_clearance(plan)
+        if heed_clearance and not whole:
+            # There is nothing behind the last trim: it may come near, but not touch.
+            last = trim == TRIMS[-1]
+            CheckOpenPalms(plan, 0.0 if last else ROOM)
+            _check_clearance(plan, 0.0 if last else CLEARANCE)
         notes = plan.notes if source.together is None else (*source.together.notes, *plan.notes)
         if trim < 1.0 and scenario.timing.approach_s + scenario.timing.retreat_s > 0:
             notes = (
                 f"only {timing.approach_s:.1f} s before the grasp and {timing.retreat_s:.1f} s after the release are "
-                "kept: the rest is out of the arms' easy reach",
+                "kept: the rest is out of the arms' easy reach, or leads them against the box or a table",
                 *notes,
             )
         return replace(plan, notes=notes, scenario=scenario)
@@ -299,15 +303,15 @@ def _has_room(scenario, coupled, task, retarget, box, same_level) -> bool:
     return bool(_lacking_room(scenario, coupled, task, retarget, box, same_level).max() <= 0.0)
 
 
-def _check_clearance(plan: Plan) -> None:
-    """Refuse a plan whose arms come too close to a table or to the box, before it is carried out."""
+def _check_clearance(plan: Plan, least: float) -> None:
+    """Refuse a plan whose arms come nearer than `least`, m, to a table or to the box, before it is carried out."""
     checker = ClearanceChecker(plan.tables, plan.box, max_distance=0.05)
     box = plan.planned_box()
     # The samples were taken before the motion was slowed down; their share of the whole is the same.
     samples = np.minimum((plan.reach.samples * plan.stretch).astype(int), len(box) - 1)
     for k, q in zip(samples, plan.reach.following.q, strict=True):
         distance, names = checker.min_clearance(q, rigid(box[k]))
-        if distance < CLEARANCE:
+        if distance < least:
             raise TaskError(
                 f"clearance: {names[0]} and {names[1]} come within {1000 * distance:.0f} mm at "
                 f"{plan.coupled.t[k]:.1f} s; shorten timing.approach_s and timing.retreat_s, or raise task.grasp_above",
