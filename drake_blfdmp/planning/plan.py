@@ -110,7 +110,8 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         if heed_clearance and not whole:
             # There is nothing behind the last trim: it may come near, but not touch.
             last = trim == TRIMS[-1]
-            CheckOpenPalms(plan, 0.0 if last else ROOM)
+            if scenario.law != "none":  # What comes of hands that nothing keeps apart is to be seen.
+                CheckOpenPalms(plan, 0.0 if last else ROOM)
             _check_clearance(plan, 0.0 if last else CLEARANCE)
         notes = plan.notes if source.together is None else (*source.together.notes, *plan.notes)
         if trim < 1.0 and scenario.timing.approach_s + scenario.timing.retreat_s > 0:
