@@ -57,7 +57,7 @@ def CheckOpenPalms(plan: Plan, least: float = ROOM) -> None:
     if gaps[k] < least:
         when, key = ("after", "retreat_s") if coupled.t[k] >= let_go else ("before", "approach_s")
         raise TaskError(
-            f"clearance: {when} the hands hold the box one comes within {1000 * gaps[k]:.0f} mm of it and would push "
-            f"it, at {coupled.t[k]:.1f} s; shorten timing.{key}, or raise task.clearance",
+            f"clearance: {when} the hands hold the box one comes {1000 * (least - gaps[k]):.0f} mm too near to it and "
+            f"may push it, at {coupled.t[k]:.1f} s; shorten timing.{key}, or raise task.clearance",
             reason="clearance",
         )

@@ -12,6 +12,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import Adder, ConstantVectorSource, Integrator, Saturation, ZeroOrderHold
 
+from drake_blfdmp import interruption
 from drake_blfdmp.demonstration.modelled_person import hold_and_place
 from drake_blfdmp.diagrams.finite_guard import FiniteGuard
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace, SetInitialState
@@ -293,3 +294,24 @@ def test_measured_joints_that_are_no_numbers_are_named_when_they_are_read(whole)
 
     error = stop(whole[0], prepare=from_rest(whole, measure))
     check(error, "ik", "measured_position", time=whole[1].plan.settle_s, within=2 * DT)
+
+
+class Interrupted(LeafSystem):
+    """A signal comes while bindings convert arguments."""
+
+    def __init__(self):
+        super().__init__()
+        self.DeclarePeriodicPublishEvent(0.1, 0.1, self._publish)
+
+    def _publish(self, context):
+        interruption._received.append(15)
+        raise TypeError("incompatible function arguments")
+
+
+def test_an_interruption_that_comes_as_another_error_is_one_again(monkeypatch):
+    monkeypatch.setattr(interruption, "_received", [])
+    simulator = Simulator(Interrupted())
+    guard = FiniteGuard(simulator)
+    simulator.Initialize()
+    with pytest.raises(interruption.Terminated):
+        guard.AdvanceTo(1.0)

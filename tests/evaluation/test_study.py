@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from drake_blfdmp import interruption
 from drake_blfdmp.errors import BlfDmpError, ScenarioError
 from drake_blfdmp.evaluation.study import Claim, Study, StudyContext, Table
 from drake_blfdmp.evaluation.study_file import csv_text
@@ -341,9 +342,12 @@ def test_the_report_is_written_after_each_study(tmp_path):
     assert results["c"].error == "ValueError: 2"
 
 
-def test_an_interruption_is_passed_on_and_the_report_is_whole(tmp_path):
+@pytest.mark.parametrize("error", ["KeyboardInterrupt", "TypeError"])  # The second as bindings make it of the first.
+def test_an_interruption_is_passed_on_and_the_report_is_whole(tmp_path, monkeypatch, error):
+    monkeypatch.setattr(interruption, "_received", [])
+    note = "from drake_blfdmp import interruption; interruption._received.append(2)"
     add_study(tmp_path / "studies", "a")
-    add_study(tmp_path / "studies", "b", failing("raise KeyboardInterrupt"))
+    add_study(tmp_path / "studies", "b", failing(f"{note}; raise {error}"))
     add_study(tmp_path / "studies", "c")
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path / "studies", tmp_path)

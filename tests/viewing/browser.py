@@ -42,9 +42,9 @@ def open_at(page, time, directory, *, script="", size=(640, 480)):
     switches += "disable-background-networking disable-component-update disable-sync hide-scrollbars "
     switches += "enable-logging=stderr virtual-time-budget=4000 "
     switches += f"window-size={size[0]},{size[1]}"
-    command = [BROWSER, *(f"--{switch}" for switch in switches.split()), f"--user-data-dir={directory / 'profile'}"]
+    command = [BROWSER, *(f"--{switch}" for switch in switches.split())]
     command += [f"--screenshot={picture}", copy.as_uri()]
-    done = patiently(lambda: _run(command))
+    done = patiently(lambda: _run([*command, f"--user-data-dir={tempfile.mkdtemp(dir=directory)}"]))
     return imread(picture)[..., :3], [row for row in done.stderr.splitlines() if "PAGE-ERROR" in row]
 
 
