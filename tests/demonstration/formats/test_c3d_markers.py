@@ -52,6 +52,20 @@ def test_files_that_contradict_themselves(tmp_path):
     assert "unit: m, for upper arms" in said(metres)
 
 
+@pytest.mark.parametrize("dimensions", [6, 3])
+@pytest.mark.parametrize("changed", [{0: 0}, {2: 0}], ids=["no bytes each", "no characters each"])
+def test_labels_that_promise_more_than_there_is(tmp_path, dimensions, changed):
+    """Letters taken for dimensions promise 3e9 labels of no bytes, which would fill any memory before they end."""
+    pytest.importorskip("c3d")
+    path = write_c3d(tmp_path / "a", T, X)
+    content = bytearray(path.read_bytes())
+    start = content.index(b"LABELS") + len(b"LABELS") + 2  # Bytes each, number of dimensions, dimensions.
+    for place, value in {1: dimensions, **changed}.items():
+        content[start + place] = value
+    path.write_bytes(content)
+    check_error("POINT:LABELS of ", path)
+
+
 def test_wrists_between_two_markers(tmp_path):
     pytest.importorskip("c3d")
     half = np.array([0.03, 0.0, 0.01])

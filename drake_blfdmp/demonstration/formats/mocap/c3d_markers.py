@@ -6,6 +6,7 @@ that the marker is lost. Of several people, told apart by prefixes ("Anna:LSHO",
 Format: https://www.c3d.org/HTML/default.htm
 """
 
+import math
 import mmap
 import warnings
 from collections.abc import Sequence
@@ -26,6 +27,7 @@ _MAGIC = 0x50  # The second byte.
 _LAST_BLOCK = 31  # Of where the parameters begin, usually 2; bytes from 32 on are text.
 _PROCESSORS = (84, 85, 86)
 _UNITS = {"m": "m", "meters": "m", "cm": "cm", "centimeters": "cm", "mm": "mm", "millimeters": "mm"}
+_MAX_LABELS = 255  # Of one parameter, all of them empty.
 _MAX_NUMBERS = 60_000_000  # 0.5 GB.
 
 
@@ -91,7 +93,7 @@ def _read_markers(path: Path, reader: Any) -> _Markers:
     promised = int(reader.last_frame) - int(reader.first_frame) + 1
     if used == 0 or promised <= 0:
         raise RecordingError(f"{path}: C3D with {used} markers and {max(promised, 0)} frames; export the markers, too")
-    labels = _labels(reader)[:used]
+    labels = _labels(path, reader)[:used]
     rows: list[np.ndarray] = []
     for _, points, _ in reader.read_frames(copy=False):
         if (len(rows) + 1) * points.shape[0] * 3 > _MAX_NUMBERS:
@@ -111,13 +113,20 @@ def _read_markers(path: Path, reader: Any) -> _Markers:
     )
 
 
-def _labels(reader: Any) -> list[str]:
+def _labels(path: Path, reader: Any) -> list[str]:
     """POINT:LABELS, LABELS2, ... of 255 labels each; made unique, since unnamed markers may share one."""
     labels: list[str] = []
     for number in ("", *range(2, 258)):
         parameter = reader.get(f"POINT:LABELS{number}")
         if parameter is None:
             break
+        # A dimension has a byte, and there may be 255: the package would make as many labels as they promise.
+        promised = math.prod(parameter.dimensions[1:])
+        if promised > max(len(parameter.bytes), _MAX_LABELS):
+            raise RecordingError(
+                f"{path}: damaged C3D (POINT:LABELS{number} of {' x '.join(map(str, parameter.dimensions[:6]))} "
+                f"characters holds {len(parameter.bytes)}); export it again"
+            )
         labels += [" ".join(str(label).replace("\0", " ").split()) for label in parameter.string_array]
     seen: set[str] = set()
     for index, label in enumerate(labels):
