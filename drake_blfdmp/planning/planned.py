@@ -148,6 +148,7 @@ def FindReach(
         scale=config.scale if config.scale is not None else scale,
         world=world if config.world is None else np.array(config.world),
         level=config.level,
+        keep_yaw=scenario.task.place_rotation[2] != 0.0,
         elbow_up=config.elbow_up,
         turn=None if coupled.turn is None else coupled.turn[first::every],
         progress=lambda share: progress("finding a reachable place", share),
@@ -163,10 +164,13 @@ def IndexAt(rollout: Rollout, t: float) -> int:
 
 def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
     """What was taken from the person's motion so that the arms can follow, in sentences."""
-    notes, swing = [], np.rad2deg(retarget.swing_out[1])
+    notes, swing, share = [], np.rad2deg(retarget.swing_out[1]), retarget.yaw_share
     if swing < 69.0:
-        yaw = np.rad2deg(retarget.yaw[1])
-        notes.append(f"elbows' swing limited to {swing:.0f} degrees and the hands' yaw to {yaw:.0f}, to stay in reach")
+        most = "" if share == 1.0 else f"{share:.0%} of the person's, at most "
+        yaw = f"the hands' yaw to {most}{np.rad2deg(retarget.yaw[1]):.0f}" if share else "the hands' yaw left aside"
+        notes.append(f"elbows' swing limited to {swing:.0f} degrees and {yaw}, to stay in reach")
+    elif share < 1.0:
+        notes.append(f"{share:.0%} of the hands' yaw taken: in the recording it is thrown about")
     if stretch > 1.005:
         notes.append(f"slowed down {stretch:.2f} times, to stay within the joints' speed and acceleration")
     return notes

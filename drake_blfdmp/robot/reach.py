@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
@@ -14,6 +15,7 @@ from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.posture import palm_rolls, starting_postures
 from drake_blfdmp.robot.retargeting import Retarget, retarget_motion
+from drake_blfdmp.robot.yaw_rate import gentle_yaw_share
 
 CENTRE = np.array([0.0, 0.47, 0.72])
 """Middle of the space in front of both arms where palms facing each other are reachable, m in W."""
@@ -37,6 +39,9 @@ STRAINED = 3.0
 
 CALM = (1.0, 0.5, 0.2)
 """Shares of the elbows' swing and of the hands' yaw that are allowed, first to last."""
+
+YAW_TRIALS = 4
+"""How often the hands' yaw is taken back where it is too fast (`yaw_rate`)."""
 
 VELOCITY_SHARE = 0.5
 ACCELERATION_SHARE = 0.4
@@ -175,11 +180,16 @@ def least_clearance(checker: ClearanceChecker, following: Following) -> float:
     return min(checker.min_clearance(posture)[0] for posture in following.q[::2])
 
 
-def calmed(retarget: Retarget, share: float) -> Retarget:
-    """The same map with the elbows' swing and the hands' yaw and pitch limited to a share of what it allows."""
+def calmed(retarget: Retarget, share: float, keep_yaw: bool = False) -> Retarget:
+    """The same map with the elbows' swing and the hands' yaw and pitch limited to a share of what it allows.
+
+    Unless it is to be kept, so much of the yaw is taken before it is limited: hands that a noisy recording throws about
+    would be thrown from one narrow limit to the other. An elbow's limit keeps it off the shoulder's singularity.
+    """
     allowed = (retarget.swing_out, retarget.swing_in, retarget.yaw, retarget.pitch)
     out, inward, yaw, pitch = ((share * a, share * b) for a, b in allowed)
-    return replace(retarget, swing_out=out, swing_in=inward, yaw=yaw, pitch=pitch)
+    taken = retarget.yaw_share * (1.0 if keep_yaw else share)
+    return replace(retarget, swing_out=out, swing_in=inward, yaw=yaw, pitch=pitch, yaw_share=taken)
 
 
 def _rank(reach: Reach) -> tuple[bool, float]:
@@ -200,6 +210,7 @@ def find_reach(
     level: bool = True,
     elbow_up: bool = True,
     shrink_hands: bool = False,
+    keep_yaw: bool = False,
     sample_rate_hz: float = 0.0,
     remedy: str = REMEDY,
     turn: np.ndarray | None = None,
@@ -223,6 +234,7 @@ def find_reach(
         level: as in `Retarget`.
         elbow_up: as in `Retarget`.
         shrink_hands: the hands' distance may be scaled with the motion, as nothing is held between them.
+        keep_yaw: as in `calmed`.
         sample_rate_hz: what is found on `SAMPLES` samples has to hold on so many a second, too.
         remedy: what the error tells a person to do.
         turn: (N, 4) how what is held turns, as in `retarget_motion`; None where nothing tells.
@@ -245,7 +257,7 @@ def find_reach(
         middle_now = 0.5 * (low + high) - person
         places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world)]
         return [
-            calmed(Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands), calm)
+            calmed(Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands), calm, keep_yaw)
             for hands in hand_scales[s]
             for place in places
         ]
@@ -254,9 +266,21 @@ def find_reach(
         found = evaluate_all(kinematics, limits, checker, t, x, retargets, anchor, samples, turn)
         return [reach for reach in found if reach is not None]
 
+    def gentle(reach: Reach) -> Reach:
+        """The reach with as much of the hands' yaw as it bears."""
+        for _ in range(YAW_TRIALS):
+            share = gentle_yaw_share(t, x, reach.retarget, reach.stretch)
+            if share == reach.retarget.yaw_share:
+                break
+            found = tried([replace(reach.retarget, yaw_share=share)], max(SAMPLES, finer))
+            if not (found and found[0].sound):
+                break
+            reach = found[0]  # It may need less slowing down, and its yaw is faster then.
+        return reach
+
     best, nearest = None, None
     for c, calm in enumerate(calms):
-        for i, (_, reaches) in enumerate(_by_scale(scales, lambda s, calm=calm: candidates(s, calm), tried)):
+        for i, (_, reaches) in enumerate(_by_scale(scales, partial(candidates, calm=calm), tried)):
             progress((c + (i + 1) / len(scales)) / len(calms))
             promising = [reach for reach in reaches if reach.sound and (best is None or _rank(reach) < _rank(best))]
             if finer > SAMPLES and promising:
@@ -272,7 +296,7 @@ def find_reach(
             break
     progress(1.0)
     if best is not None:
-        return best
+        return best if keep_yaw else gentle(best)
     if nearest is None:
         distance = float(np.linalg.norm(x[anchor, 5] - x[anchor, 2]))
         if shrink_hands:

@@ -14,7 +14,7 @@ from drake_blfdmp.robot.swivel import swivel_angle, swivel_rate, wrap
 from drake_blfdmp.skeleton import ELBOWS, SHOULDERS, WRISTS
 from drake_blfdmp.vectors import cross, dot
 
-OVERHEAD = np.deg2rad(120.0)
+FADING = np.deg2rad(120.0)
 OUTWARD = np.array([1.0, -1.0])  # The sign of the swivel angle with which each arm's elbow swings away from the body.
 
 
@@ -34,6 +34,7 @@ class Retarget:
         swing_out: up to the first angle (rad) the elbow swings out as far as the person's; beyond it less and less,
             never past the second. swing_in: the same towards the other arm, where the robot's elbows would meet.
         yaw: the same for the yaw of the line between the hands, either way.
+        yaw_share: of the person's yaw, taken before it is limited.
         hands_scale: of the distance between the hands; other than 1 only where they hold nothing.
         pitch: as `yaw`, of the turn of what is held about the line between the hands. It takes joint 7 alone, which has
             2.9 rad to either side of where the grasp leaves it; other motion needs its share of them.
@@ -50,6 +51,7 @@ class Retarget:
     yaw: tuple[float, float] = (np.deg2rad(30.0), np.deg2rad(45.0))
     hands_scale: float = 1.0
     pitch: tuple[float, float] = (np.deg2rad(60.0), np.deg2rad(80.0))
+    yaw_share: float = 1.0
 
     def point(self, x):
         """A position (..., 3) of the torso frame in W."""
@@ -77,14 +79,14 @@ def softly_limited(angle, limits):
     return np.sign(angle) * (np.minimum(np.abs(angle), start) + (end - start) * beyond), 1.0 - beyond**2
 
 
-def faded_overhead(psi):
+def faded_at_half_a_turn(angle):
     """A factor (...) that is 1 up to 120 degrees and 0 at 180, and its derivative.
 
-    An elbow straight above the shoulder-wrist line has swung neither out nor in; without the factor the limited swing
-    would jump from one side to the other there.
+    An elbow straight above the shoulder-wrist line has swung neither out nor in, and crossed hands have turned neither
+    way; without the factor what is kept of the angle would jump from one side to the other there.
     """
-    u = np.clip((np.abs(psi) - OVERHEAD) / (np.pi - OVERHEAD), 0.0, 1.0)
-    return 0.5 * (1.0 + np.cos(np.pi * u)), -0.5 * np.pi * np.sin(np.pi * u) * np.sign(psi) / (np.pi - OVERHEAD)
+    u = np.clip((np.abs(angle) - FADING) / (np.pi - FADING), 0.0, 1.0)
+    return 0.5 * (1.0 + np.cos(np.pi * u)), -0.5 * np.pi * np.sin(np.pi * u) * np.sign(angle) / (np.pi - FADING)
 
 
 def hand_line(x, velocity, retarget: Retarget):
@@ -103,7 +105,9 @@ def hand_line(x, velocity, retarget: Retarget):
     flat2 = r[..., 0] ** 2 + r[..., 1] ** 2
     flat = np.sqrt(flat2)
     yaw = np.arctan2(r[..., 1], r[..., 0])
-    yaw, slope = softly_limited(yaw, retarget.yaw)
+    fade, fade_slope = faded_at_half_a_turn(yaw)
+    kept, slope = softly_limited(retarget.yaw_share * yaw, retarget.yaw)
+    yaw, slope = fade * kept, retarget.yaw_share * fade * slope + fade_slope * kept
     yaw_rate = slope * (r[..., 0] * r_dot[..., 1] - r[..., 1] * r_dot[..., 0]) / flat2
     apart, apart_rate = retarget.hands_scale * distance, retarget.hands_scale * rate
     if retarget.level:
@@ -193,7 +197,7 @@ def retarget_motion(x, velocity, retarget: Retarget, offsets=None, turn=None, tu
     outward = OUTWARD * psi > 0
     limits = [np.where(outward, out, inward) for out, inward in zip(retarget.swing_out, retarget.swing_in, strict=True)]
     swing, slope = softly_limited(psi, limits)
-    fade, fade_slope = faded_overhead(psi)
+    fade, fade_slope = faded_at_half_a_turn(psi)
     swing, slope = fade * swing, fade * slope + fade_slope * swing
     if retarget.elbow_up:
         return pose, twist, wrap(np.pi - swing), -slope * psi_dot
