@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.planning.box_path import UpOverDown, lacking_room
+from drake_blfdmp.planning.box_path import UpOverDown
+from drake_blfdmp.planning.carried_box import CarriedBox
 from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift, carried, hands_middle, rise
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.moved_carry import CarryEnds, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
 from drake_blfdmp.planning.open_palms import ROOM, CheckOpenPalms
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
-    BelowPalms,
     FindReach,
     IndexAt,
     Plan,
@@ -23,16 +23,16 @@ from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.squeeze import ChooseSqueeze, Compliances, RefuseForce, SqueezeCompliance, Strengths
-from drake_blfdmp.planning.steady import Steadied
-from drake_blfdmp.planning.supports import Ends, MakeSupports, ShiftForSupports
-from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeTask, Raised, RollOutTask, Shifted, Task
+from drake_blfdmp.planning.steadied_task import MakeSteadiedTask
+from drake_blfdmp.planning.supports import Ends, ShiftForSupports
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeTask, Raised, RollOutTask, Shifted
 from drake_blfdmp.planning.unmoved import MakeUnmoved, Unmoved
-from drake_blfdmp.robot.box import BoxParameters, TableParameters
+from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.reach import CALM, SCALES, Reach, rigid
-from drake_blfdmp.robot.retargeting import Retarget, box_pose
+from drake_blfdmp.robot.retargeting import Retarget
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.skill.rollout import Rollout
 
@@ -161,6 +161,9 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     def again(coupled: Rollout, before: Retarget, stay: bool) -> Reach:
         return FindReachAgain(scenario, coupled, anchor, kinematics, limits, progress, before, stay=stay, **calm)
 
+    def carried_box(retarget: Retarget) -> CarriedBox:
+        return CarriedBox(box, retarget, scenario.task.grasp_above, same_level)
+
     # The shift is known in the world; the skill needs it in the person's frame, so it depends on the scale.
     take, place = (np.asarray(offset) for offset in (scenario.task.take_offset, scenario.task.place_offset))
     least, raised_by, kept_up = scenario.task.least_lift, 0.0, 0.0
@@ -203,7 +206,7 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
             task = MakeTask(scenario, source, motion)
             coupled = RollOutTask(scenario, task)
             reach = again(coupled, reach.retarget, True)
-        lacking = _lacking_room(scenario, coupled, task, reach.retarget, box, same_level)
+        lacking = carried_box(reach.retarget).lacking_room(task, coupled)
         worst = int(np.argmax(lacking))
         if lacking[worst] <= 0.0 or (trial == len(ROOM_NOTES) and not heed_clearance):
             break
@@ -229,23 +232,14 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
     postures = reach.following.q[held]
     compliances = Compliances(plant, postures)
-    acceleration = _largest_acceleration(coupled, task, reach.retarget) / stretch**2
+    in_palms = carried_box(reach.retarget)
+    acceleration = in_palms.largest_acceleration(task, coupled) / stretch**2
     squeeze = ChooseSqueeze(scenario.task, box, compliances, Strengths(plant, postures, box.mass), acceleration)
     scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))
     notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]
-    task = MakeTask(scenario, source, motion, stretch)
-    coupled = RollOutTask(scenario, task)
-    motion, swung = Steadied(motion, coupled.t / stretch, HandsMiddle(coupled))  # What is left when it is slower.
-    if swung:
-        steady_task = MakeTask(scenario, source, motion, stretch)
-        steady = RollOutTask(scenario, steady_task)
-        # A carry that is over soon is fast right beside the dwells, and would be led astray.
-        if _has_room(scenario, steady, steady_task, reach.retarget, box, same_level) or not _has_room(
-            scenario, coupled, task, reach.retarget, box, same_level
-        ):
-            task, coupled = steady_task, steady
-    poses, tables = _standing(scenario, coupled, task, reach.retarget, box, same_level)
+    task, coupled = MakeSteadiedTask(scenario, source, motion, stretch, in_palms.has_room)
+    poses, tables = in_palms.standing(task, coupled)
     for pose, what in zip(poses, ("grasp", "release"), strict=True):
         if pose[6] < 0.5 * box.height + 0.05:
             raise TaskError(
@@ -268,40 +262,6 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
         squeeze_compliance=SqueezeCompliance(compliances),
         squeeze_force=squeeze.force,
     )
-
-
-def _standing(
-    scenario: Scenario, coupled: Rollout, task: Task, retarget: Retarget, box: BoxParameters, same_level: bool
-) -> tuple[np.ndarray, list[TableParameters]]:
-    """Where the box stands at both ends, (2, 7), and on what."""
-    held = [IndexAt(coupled, t) for t in task.held]
-    # It stands on a table: turned about the line between the palms by no more than the skill's fit errs.
-    poses = BelowPalms(box_pose(coupled.x[held], retarget), scenario.task.grasp_above)
-    if same_level:
-        poses[1, 6] = poses[0, 6]
-    ends = [np.append(pose[4:], yaw) for pose, yaw in zip(poses, EndYaws(coupled, task, retarget), strict=True)]
-    return poses, MakeSupports(*ends, box, same_level)
-
-
-def _largest_acceleration(coupled: Rollout, task: Task, retarget: Retarget) -> float:
-    """Of the carried box at its planned scale, m/s^2, at the speed of the rollout."""
-    first, last = (IndexAt(coupled, t) for t in task.held)
-    velocity = retarget.scale * 0.5 * (coupled.velocity[first : last + 1, 2] + coupled.velocity[first : last + 1, 5])
-    return float(np.linalg.norm(np.gradient(velocity, coupled.t[first : last + 1], axis=0), axis=1).max())
-
-
-def _lacking_room(scenario, coupled, task, retarget, box, same_level) -> np.ndarray:
-    """How much room the held box lacks to the tables at every step of the carry, m."""
-    first, last = (IndexAt(coupled, t) for t in task.held)
-    held = slice(first, last + 1)
-    turn = None if coupled.turn is None else coupled.turn[held]
-    carried = BelowPalms(box_pose(coupled.x[held], retarget, turn), scenario.task.grasp_above)
-    ends, tables = _standing(scenario, coupled, task, retarget, box, same_level)
-    return lacking_room(carried, box, tables, ends)
-
-
-def _has_room(scenario, coupled, task, retarget, box, same_level) -> bool:
-    return bool(_lacking_room(scenario, coupled, task, retarget, box, same_level).max() <= 0.0)
 
 
 def _check_clearance(plan: Plan, least: float) -> None:

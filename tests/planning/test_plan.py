@@ -7,7 +7,8 @@ import pytest
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.moved_carry import ShiftWindow
-from drake_blfdmp.planning.plan import BelowPalms, MakePlan
+from drake_blfdmp.planning.plan import MakePlan
+from drake_blfdmp.planning.planned import BelowPalms
 from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
 from drake_blfdmp.planning.squeeze import USUAL_FORCE
 from drake_blfdmp.robot.clearance import ClearanceChecker

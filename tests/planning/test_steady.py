@@ -5,11 +5,12 @@ import pytest
 
 from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.planning.moved_carry import HandsMiddle
-from drake_blfdmp.planning.steady import RAMP_S, WORTH, Steadied, stillness, swing
+from drake_blfdmp.planning.steady import RAMP_S, SHORT_RAMP_S, WORTH, Dwells, Steadied, swing
 from drake_blfdmp.skill.geometry import link_lengths
 
 EVENTS = {"grasp": 1.0, "grasp_end": 2.0, "release": 5.0, "release_end": 6.0}
 T = np.linspace(0.0, 7.0, 1401)
+WHOLE = Dwells.of(EVENTS)
 
 
 def made(middle):
@@ -20,7 +21,7 @@ def made(middle):
 
 
 def test_it_stands_still_in_both_dwells_and_nowhere_else():
-    share = stillness(T, EVENTS)
+    share = WHOLE.stillness(T)
     dwell = ((T >= 1.0) & (T <= 2.0)) | ((T >= 5.0) & (T <= 6.0))
     np.testing.assert_allclose(share[dwell], 1.0, atol=1e-12)
     away = np.min([np.maximum(a - T, T - b) for a, b in ((1.0, 2.0), (5.0, 6.0))], axis=0) > RAMP_S
@@ -30,7 +31,7 @@ def test_it_stands_still_in_both_dwells_and_nowhere_else():
 
 def test_only_what_swings_in_the_dwells_is_taken_out():
     drift = 0.03 * np.sin(1.3 * T)[:, None] * [1.0, -0.5, 0.2]
-    left = drift - swing(T, drift, EVENTS)
+    left = drift - swing(T, drift, WHOLE)
     for a, b in ((1.0, 2.0), (5.0, 6.0)):
         assert np.ptp(left[(a <= T) & (b >= T)], axis=0).max() < 1e-6
     carry = (T > 2.0 + RAMP_S) & (T < 5.0 - RAMP_S)
@@ -40,11 +41,28 @@ def test_only_what_swings_in_the_dwells_is_taken_out():
     np.testing.assert_allclose(np.diff(left[before], axis=0), np.diff(drift[before], axis=0), atol=1e-12)
 
 
+def test_a_carry_that_is_fast_beside_the_dwells_is_left_alone():
+    """What the hands' middle does while they close and open is taken out, and next to nothing of the way between."""
+    drift = 0.03 * np.sin(1.3 * T)[:, None] * [1.0, -0.5, 0.2]
+    moving = Dwells.while_moving(EVENTS, (1.85, 5.15))
+    change = swing(T, drift, moving)
+    for a, b in ((1.0, 1.85), (5.15, 6.0)):
+        assert np.ptp((drift - change)[(a <= T) & (b >= T)], axis=0).max() < 1e-6
+    between = (T > 1.85 + SHORT_RAMP_S) & (T < 5.15 - SHORT_RAMP_S)
+    np.testing.assert_allclose(moving.stillness(T)[between], 0.0, atol=1e-12)
+    carry = (T > 2.0) & (T < 5.0)
+    np.testing.assert_allclose(change[carry], 0.0, atol=1e-9)
+    motion = made(drift)
+    np.testing.assert_allclose(
+        HandsMiddle(Steadied(motion, T, drift, moving)[0])[carry], HandsMiddle(motion)[carry], atol=1e-9
+    )
+
+
 def test_no_length_changes():
     drift = 0.03 * np.sin(1.3 * T)[:, None] * [1.0, -0.5, 0.2]
     motion = made(drift)
     steadied, largest = Steadied(motion, T, drift)
-    assert largest == pytest.approx(np.linalg.norm(swing(T, drift, EVENTS), axis=1).max())
+    assert largest == pytest.approx(np.linalg.norm(swing(T, drift, WHOLE), axis=1).max())
     np.testing.assert_allclose(link_lengths(steadied.x), link_lengths(motion.x), atol=1e-12)
     assert np.abs(steadied.x - motion.x).max() > 0.01
 
