@@ -1,6 +1,6 @@
 """How hard the palms press on the box, and how deep they must be commanded into it for that."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -10,7 +10,6 @@ from drake_blfdmp.planning.scenario_sections import TaskConfig
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.grasp_force import (
-    ARMS_FACTOR,
     GRAVITY,
     PALM_FRICTION,
     combined_friction,
@@ -23,7 +22,10 @@ USUAL_FORCE = 55.0
 """What is planned where the box does not need more, N."""
 
 ARMS_NEED = 2.2
-"""On the friction cone's estimate, what the simulated arms were measured to need; `ARMS_FACTOR` has some to spare."""
+"""On the friction cone's estimate, what the simulated arms were measured to need."""
+
+UNSURE = 0.2
+"""A box may be so much heavier and so much smoother than believed, and is still held, where the limits allow it."""
 
 OVERSHOOT = 1.2
 """A palm may press by this factor more than its static force: trials measured 1.13 to 1.16 (`palm_stiffness`)."""
@@ -80,6 +82,15 @@ def NeededForce(box: BoxParameters, acceleration: float, factor: float) -> float
     return float(least_squeeze(box.mass, friction, acceleration, factor=factor))
 
 
+def WantedForce(box: BoxParameters, acceleration: float) -> float:
+    """The force, N, that a box is squeezed with where nothing limits it: `USUAL_FORCE`, or what it may need.
+
+    Of the estimate for the box as it is believed to be that is 2.7 to 3.3 times, more than `ARMS_FACTOR`.
+    """
+    worse = replace(box, mass=(1.0 + UNSURE) * box.mass, friction=(1.0 - UNSURE) * box.friction)
+    return max(USUAL_FORCE, NeededForce(worse, acceleration, ARMS_NEED))
+
+
 def RefuseForce(task: TaskConfig, box: BoxParameters) -> None:
     """Refuse what no posture could change: a force beyond the limit, asked for or needed to hold the box at rest.
 
@@ -131,14 +142,13 @@ def ChooseSqueeze(
             f"could press harder than {by} allows in some posture; squeeze less",
             reason="force",
         )
-    wanted = max(USUAL_FORCE, NeededForce(box, acceleration, ARMS_FACTOR))
-    force = min(wanted, allowed) if task.squeeze_force is None else task.squeeze_force
+    force = min(WantedForce(box, acceleration), allowed) if task.squeeze_force is None else task.squeeze_force
     depth = force / mean if task.squeeze is None else task.squeeze
     force, notes, needed = depth * mean, [], NeededForce(box, acceleration, ARMS_NEED)
     if force < needed:
         notes.append(f"squeezed with {force:.0f} N as asked, where the box needs about {needed:.0f} N not to slip")
     elif task.squeeze is None and task.squeeze_force is None and abs(force - USUAL_FORCE) > 0.5:
-        why = f"a box of {box.mass:g} kg with friction {box.friction:g} needs it" if force > USUAL_FORCE else by
+        why = f"a box of {box.mass:g} kg with friction {box.friction:g} may need it" if force > USUAL_FORCE else by
         notes.append(f"squeezed with {force:.0f} N in place of the usual {USUAL_FORCE:.0f} N: {why}")
     return Squeeze(depth, force, tuple(notes))
 

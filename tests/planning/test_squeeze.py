@@ -2,17 +2,22 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.scenario_sections import TaskConfig
 from drake_blfdmp.planning.squeeze import (
+    ARMS_NEED,
     OVERSHOOT,
     USUAL_FORCE,
     ChooseSqueeze,
     Compliances,
+    NeededForce,
     RefuseForce,
     SqueezeCompliance,
     Strengths,
+    WantedForce,
 )
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.contact import palm_stiffness
@@ -45,10 +50,19 @@ def test_the_mean_force_is_the_one_that_is_asked_for(asked):
 def test_a_light_box_gets_the_usual_force_and_a_heavy_one_what_it_needs_with_a_note():
     assert choose().force == pytest.approx(USUAL_FORCE) and choose().notes == ()
     heavy = choose(HEAVY)
-    # 2.5 m (g + a) / (2 mu), mu = 2 0.5 0.8 / 1.3
-    assert heavy.force == pytest.approx(2.5 * 3.0 * (9.81 + 0.4) * 1.3 / (2 * 0.8), rel=1e-6)
-    assert "3 kg with friction 0.5 needs it" in heavy.notes[0]
+    # 2.2 m (g + a) / (2 mu), mu = 2 n 0.8 / (n + 0.8), of a box a fifth heavier and smoother: m = 3.6, n = 0.4
+    assert heavy.force == pytest.approx(2.2 * 3.6 * (9.81 + 0.4) * 1.2 / (2 * 2 * 0.4 * 0.8), rel=1e-6)
+    assert "3 kg with friction 0.5 may need it" in heavy.notes[0]
     assert choose(HEAVY, acceleration=2.0).force > heavy.force
+
+
+@given(mass=st.floats(0.1, 5.0), friction=st.floats(0.2, 1.5), acceleration=st.floats(0.0, 3.0))
+def test_a_box_unlike_what_is_believed_still_gets_what_it_needs(mass, friction, acceleration):
+    wanted = WantedForce(BoxParameters(mass=mass, friction=friction), acceleration)
+    for heavier, smoother in ((1.0, 1.0), (1.2, 1.0), (1.0, 0.8), (1.2, 0.8)):
+        other = BoxParameters(mass=heavier * mass, friction=smoother * friction)
+        assert wanted >= NeededForce(other, acceleration, ARMS_NEED) * (1 - 1e-12)
+    assert wanted >= max(USUAL_FORCE, NeededForce(BoxParameters(mass=mass, friction=friction), acceleration, 2.5))
 
 
 def test_no_posture_presses_harder_than_the_limit_or_the_arms_can():
