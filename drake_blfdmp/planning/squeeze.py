@@ -85,7 +85,7 @@ def NeededForce(box: BoxParameters, acceleration: float, factor: float) -> float
 def WantedForce(box: BoxParameters, acceleration: float) -> float:
     """The force, N, that a box is squeezed with where nothing limits it: `USUAL_FORCE`, or what it may need.
 
-    Of the estimate for the box as it is believed to be that is 2.7 to 3.3 times, more than `ARMS_FACTOR`.
+    Of the estimate for the box as it is believed to be that is some three times, more than `ARMS_FACTOR`.
     """
     worse = replace(box, mass=(1.0 + UNSURE) * box.mass, friction=(1.0 - UNSURE) * box.friction)
     return max(USUAL_FORCE, NeededForce(worse, acceleration, ARMS_NEED))

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 
-import numpy as np
-
 from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.planning.moved_carry import HandsMiddle
 from drake_blfdmp.planning.scenario import Scenario
@@ -34,7 +32,8 @@ def MakeSteadiedTask(
     """
     task = MakeTask(scenario, source, motion, stretch)
     coupled = RollOutTask(scenario, task)
-    whole, moving = Dwells.of(motion.events), Dwells.while_moving(motion.events, np.array(task.held) / stretch)
+    held = task.held[0] / stretch, task.held[1] / stretch
+    whole, moving = Dwells.of(motion.events), Dwells.while_moving(motion.events, held)
     for dwells in (whole, moving, moving):  # The skill follows what it is taught not quite.
         steadied, swung = Steadied(motion, coupled.t / stretch, HandsMiddle(coupled), dwells)
         if not swung:
@@ -45,4 +44,6 @@ def MakeSteadiedTask(
             motion, task, coupled = steadied, steady_task, steady
             if dwells is whole:
                 break
+        elif dwells is moving:
+            break
     return task, coupled

@@ -267,7 +267,7 @@ def find_reach(
         return [reach for reach in found if reach is not None]
 
     def gentle(reach: Reach) -> Reach:
-        """The reach with as much of the hands' yaw as it bears."""
+        """The reach with as much of the hands' yaw as it bears; as it is where the arms cannot do with less."""
         for _ in range(YAW_TRIALS):
             share = gentle_yaw_share(t, x, reach.retarget, reach.stretch)
             if share == reach.retarget.yaw_share:

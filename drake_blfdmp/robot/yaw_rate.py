@@ -11,10 +11,10 @@ import numpy as np
 from drake_blfdmp.robot.retargeting import Retarget, hand_line
 
 RATE = 0.8
-"""Largest rate of the yaw that is asked of the palms, rad/s: motions that people make with a box stay below 0.6."""
+"""Largest rate of the yaw that is asked of the palms, rad/s: random tasks without such throws stay below 0.6."""
 
 TURN = 4.0
-"""How fast that rate may change, rad/s^2; the same motions stay below 2."""
+"""How fast that rate may change, rad/s^2; the same tasks stay below 2."""
 
 LEAST = 0.02
 """Less of the yaw is none."""

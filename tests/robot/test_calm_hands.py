@@ -56,11 +56,12 @@ def test_calmer_hands_turn_less_and_are_not_thrown_from_limit_to_limit(share):
 
 
 def test_the_elbows_are_limited_and_not_scaled():
-    psi = retarget_motion(WANDERING, 0 * WANDERING, MAP)[2]
-    swing = np.abs(wrap(np.pi - psi))
-    calm = np.abs(wrap(np.pi - retarget_motion(WANDERING, 0 * WANDERING, calmed(MAP, 0.5))[2]))
-    small = swing < 0.5 * MAP.swing_in[0]
+    half = calmed(MAP, 0.5)
+    swing, calm = (np.abs(wrap(np.pi - retarget_motion(WANDERING, 0 * WANDERING, by)[2])) for by in (MAP, half))
+    small = swing < half.swing_out[0]  # These elbows swing outward.
+    assert 100 < np.sum(small) < small.size - 100
     np.testing.assert_allclose(calm[small], swing[small], atol=1e-12)
+    assert np.all(calm[~small] < swing[~small]) and calm.max() <= half.swing_out[1]
 
 
 def test_the_search_keeps_the_yaw_if_asked_to():
