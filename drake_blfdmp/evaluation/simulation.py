@@ -14,6 +14,7 @@ from drake_blfdmp.evaluation.run_logger import AddRunLogger, MakeRunLog
 from drake_blfdmp.evaluation.summary import MakeSummary
 from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.recording.run_log import RunLog
+from drake_blfdmp.recording.topic_recorder import TopicRecorder
 
 Progress = Callable[[str, float], None]
 
@@ -78,6 +79,9 @@ def Simulate(
         if t >= end and clock >= end - 1e-6:
             break
     wall = time.perf_counter() - started - stood_still
+    for system in diagram.GetSystems():
+        if isinstance(system, TopicRecorder):
+            system.Flush()  # Measuring takes longer than a recorder may hold samples.
     progress("simulating", 1.0)
     progress("measuring", 0.0)
     log = MakeRunLog(plan, parts.limits, logger, context)

@@ -2,12 +2,12 @@
 
 Written by:
 mcap_recorder        McapRecorder, the LeafSystem that records a run
-event_recorder       EventRecorder: an event whenever a number that stands for a name changes
+topic_recorder       its base, TopicRecorder: named vectors, wrenches, messages and events
 plant_names          what of a plant is recorded, and under which names
 pose_rows            many poses at once as ROS 2 writes them
-sampler              what is written at every sample
+sampler              what is read at every sample, held for a moment, and written
 sample_block         the messages of a sample, and the ports their numbers come from
-message_block        those messages as one block of bytes
+message_block        those messages, of many samples at once, as blocks of bytes
 mcap_file            the file under construction
 mcap_chunk           its chunks and its index, as bytes
 journal              what of the chunk in progress a killed process leaves

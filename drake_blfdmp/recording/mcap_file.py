@@ -4,7 +4,7 @@ import atexit
 import os
 import shlex
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -74,6 +74,11 @@ class McapFile:
     An interruption at any place (Ctrl-C, a signal's exception) leaves a file that `close` completes, and a file that is
     forgotten is completed at the interpreter's exit.
 
+    Attributes:
+        path: of the file.
+        closed: whether it is complete, or given up.
+        before_close: called by `close` first: whoever holds messages back writes them there.
+
     Args:
         filename: the file to create.
         chunk_duration: s of simulated time.
@@ -105,6 +110,7 @@ class McapFile:
         self._written = _Written(0, 0, 0, 0, [])
         self._pid = os.getpid()
         self.closed = False
+        self.before_close: Callable[[], None] = lambda: None
         try:
             self._descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
             try:
@@ -168,13 +174,12 @@ class McapFile:
         block = self._single.get(channel)
         if block is None:
             block = self._single[channel] = MessageBlock([(channel, None)])
-        self._write(block, t_ns, mcap.pack_record(mcap.MESSAGE, mcap.pack_message_head(channel, t_ns, t_ns), data))
+        self.write_records(
+            block, t_ns, mcap.pack_record(mcap.MESSAGE, mcap.pack_message_head(channel, t_ns, t_ns), data)
+        )
 
-    def write_block(self, block: MessageBlock, t_ns: int, values: np.ndarray) -> None:
-        """Adds all messages of a block at simulated time `t_ns` (ns) with its numbers."""
-        self._write(block, t_ns, block.encode(t_ns, values))
-
-    def _write(self, block: MessageBlock, t_ns: int, records: bytes) -> None:
+    def write_records(self, block: MessageBlock, t_ns: int, records: bytes) -> None:
+        """Adds all messages of a block at simulated time `t_ns` (ns), as it encodes them."""
         if self._chunk_end is not None and (t_ns >= self._chunk_end or self._pending_bytes >= CHUNK_BYTES):
             try:
                 self._finish_chunk()
@@ -238,6 +243,12 @@ class McapFile:
         """
         if self.closed:
             return
+        try:
+            self.before_close()
+        finally:
+            self._complete()
+
+    def _complete(self) -> None:
         try:
             self._finish_chunk()
             size, crc, count, _, _ = self._written

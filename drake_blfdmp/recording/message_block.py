@@ -5,11 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from drake_blfdmp.ros2 import mcap_records as mcap
-from drake_blfdmp.ros2.cdr import CdrTemplate, pack_stamp
+from drake_blfdmp.ros2.cdr import CdrTemplate
+
+_SECOND = 1_000_000_000
 
 
 class MessageBlock:
-    """MCAP's records of several messages, filled in by three assignments.
+    """MCAP's records of several messages, of many instants at once, filled in by three assignments.
 
     Encoding message by message costs several microseconds each; a sample of a run has more than a dozen.
 
@@ -41,26 +43,32 @@ class MessageBlock:
             at += len(record)
         self.channels = np.array([channel for channel, _ in messages], dtype=np.uint64)
         self.offsets = np.array(offsets, dtype=np.uint64)
-        self._bytes = bytearray(b"".join(parts))
+        self._blank = np.frombuffer(b"".join(parts), dtype=np.uint8)
         self._times = np.array(times, dtype=int)
         self._stamps = np.concatenate(stamps) if stamps else np.empty(0, dtype=int)
         self._numbers = np.concatenate(numbers) if numbers else np.empty(0, dtype=int)
         self.count = len(self._numbers)
-        if order is not None:
-            self._numbers = self._numbers[np.argsort(order)]
-        # A view of eight bytes from each byte on: numbers stand at any place.
-        shape = (max(len(self._bytes) - 7, 0),)
-        self._float64s = np.ndarray(shape, dtype="<f8", buffer=self._bytes, strides=(1,))
-        self._uint64s = np.ndarray(shape, dtype="<u8", buffer=self._bytes, strides=(1,))
+        self._order = slice(None) if order is None else order
 
-    def encode(self, t_ns: int, values: np.ndarray) -> bytes:
-        """The records at one instant.
+    def encode(self, times_ns: np.ndarray, values: np.ndarray) -> list[bytes]:
+        """The records of each of N instants.
 
         Args:
-            t_ns: time of the messages and of every stamp in them, ns.
-            values: (M,) numbers.
+            times_ns: (N,) of the messages and of every stamp in them, ns.
+            values: (N, ...) numbers; M of them where no order was given.
         """
-        self._uint64s[self._times] = t_ns
-        self._uint64s[self._stamps] = int.from_bytes(pack_stamp(t_ns), "little")
-        self._float64s[self._numbers] = values
-        return bytes(self._bytes)
+        n, size = len(times_ns), len(self._blank)
+        if not size:
+            return [b""] * n
+        records = np.tile(self._blank, (n, 1))
+        # A view of eight bytes from each byte on: numbers stand at any place.
+        float64s, uint64s = (
+            np.ndarray((n, size - 7), dtype=kind, buffer=records, strides=(size, 1)) for kind in ("<f8", "<u8")
+        )
+        times = np.asarray(times_ns, dtype=np.uint64)[:, None]
+        seconds, rest = np.divmod(times, np.uint64(_SECOND))
+        uint64s[:, self._times] = times
+        uint64s[:, self._stamps] = seconds | rest << np.uint64(32)  # `pack_stamp`
+        float64s[:, self._numbers] = values[:, self._order]
+        whole = records.tobytes()
+        return [whole[at : at + size] for at in range(0, n * size, size)]

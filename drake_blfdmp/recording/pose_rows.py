@@ -19,29 +19,21 @@ def _candidates() -> tuple[np.ndarray, np.ndarray]:
 _M, _C = _candidates()
 
 
-class PoseRows:
-    """Turns N matrices [R p] (3, 4) into rows x y z (m) qx qy qz qw, qw >= 0, as geometry_msgs/Transform has them.
+def pose_rows(matrices: np.ndarray) -> np.ndarray:
+    """Rows (N, 7) x y z (m) qx qy qz qw, qw >= 0, as geometry_msgs/Transform has them, of N matrices [R p] (N, 3, 4).
 
-    Rounded to single precision (60 nm at 1 m), far below what a pose is read for, because it halves what poses take
-    after compression.
+    Rounded to single precision (60 nm at 1 m), float32, far below what a pose is read for, because it halves what poses
+    take after compression.
     """
-
-    def __init__(self, count: int):
-        """Of N poses each time."""
-        self._all = np.arange(count)
-        self._rows = np.empty((count, 7), dtype=np.float32)
-
-    def fill(self, matrices: list[np.ndarray]) -> np.ndarray:
-        """(N, 7) float32, valid until the next call."""
-        X = np.concatenate(matrices).reshape(-1, 12)
-        candidates = X @ _M
-        candidates += _C
-        diagonal = candidates[:, ::5]
-        # The largest component divides with the least error (Shepperd).
-        best = diagonal.argmax(axis=1)
-        q = candidates.reshape(-1, 4, 4)[self._all, best]
-        scale = np.copysign(0.5 / np.sqrt(diagonal[self._all, best]), q[:, 3])
-        rows = self._rows
-        rows[:, :3] = X[:, 3::4]
-        rows[:, 3:] = q * scale[:, None]
-        return rows
+    X = np.reshape(matrices, (-1, 12))
+    candidates = X @ _M
+    candidates += _C
+    diagonal = candidates[:, ::5]
+    # The largest component divides with the least error (Shepperd).
+    best, every = diagonal.argmax(axis=1), np.arange(len(X))
+    q = candidates.reshape(-1, 4, 4)[every, best]
+    scale = np.copysign(0.5 / np.sqrt(diagonal[every, best]), q[:, 3])
+    rows = np.empty((len(X), 7), dtype=np.float32)
+    rows[:, :3] = X[:, 3::4]
+    rows[:, 3:] = q * scale[:, None]
+    return rows

@@ -1,5 +1,6 @@
 """All messages of a sample as one block, and the ports that its numbers come from."""
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,41 +9,54 @@ from pydrake.systems.framework import Context, InputPort
 from drake_blfdmp.recording.message_block import MessageBlock
 from drake_blfdmp.ros2.cdr import CdrTemplate
 
+Make = Callable[[np.ndarray], np.ndarray]
+"""Numbers (N, m) of N samples, made of others (N, n) of theirs."""
+
+ROWS = 64
+"""How many samples can be held before they are encoded together."""
+
 
 class SampleBlock:
-    """Gathers the values of ports, and says where in a MessageBlock each goes. ::
+    """Gathers the values of ports, sample by sample, and encodes many samples at once. ::
 
         places = block.take(port)              # for every port
         block.add(channel, template, places)   # for every message
         block.finish()
-        block.fill(context)                    # for every sample
+        values = block.sample(row, context)    # for every sample
+        records = block.encode(rows, times)    # of several
 
     Attributes, once it is finished:
         messages: the block.
-        values: (M,) the numbers of a sample, in the order in which they were taken.
     """
 
     def __init__(self):
         self.messages = MessageBlock([])
-        self.values = np.empty(0)
         self._count = 0
-        self._ports: list[tuple[InputPort, np.ndarray]] = []
+        self._ports: dict[int, tuple[InputPort, np.ndarray]] = {}
         self._messages: list[tuple[int, CdrTemplate]] = []
         self._order: list[np.ndarray] = [np.empty(0, dtype=int)]
         self._rounded = np.empty(0, dtype=int)
-        self._parts: list[tuple[InputPort, np.ndarray]] = []
-        self._round: list[np.ndarray] = []
+        self._parts: list[tuple[InputPort, slice]] = []
+        self._made: list[tuple[np.ndarray, Make, np.ndarray]] = []
+        self._values = np.empty((ROWS, 0))
 
     def take(self, port: InputPort) -> np.ndarray:
-        """The places among the values that the port's numbers get."""
-        places = self.room(port.size())
-        self._ports.append((port, places))
-        return places
+        """The places among the values that the port's numbers get; a port taken twice is evaluated once."""
+        index = int(port.get_index())
+        if index not in self._ports:
+            self._ports[index] = port, self.room(port.size())
+        return self._ports[index][1]
 
     def room(self, count: int) -> np.ndarray:
-        """Places of numbers that come from no port, but are written to `values` by hand."""
+        """Places of numbers that come from no port, but from what is given to `encode`."""
         self._count += count
         return np.arange(self._count - count, self._count)
+
+    def made(self, places: np.ndarray, count: int, make: Make) -> np.ndarray:
+        """The places of `count` numbers that are made of those at `places` when samples are encoded."""
+        room = self.room(count)
+        self._made.append((places, make, room))
+        return room
 
     def add(self, channel: int, template: CdrTemplate, places: np.ndarray, *, single_precision: bool = False) -> None:
         """A message whose numbers are the values at `places`, rounded if so asked."""
@@ -53,18 +67,32 @@ class SampleBlock:
 
     def finish(self) -> None:
         """Lays everything out."""
-        self.values = np.empty(self._count)
-        self._parts = [(port, self.values[places[0] : places[0] + len(places)]) for port, places in self._ports]
-        # Whole stretches, because a list of places takes several times as long.
-        places = np.unique(self._rounded)
-        gaps = np.flatnonzero(np.diff(places) > 1) + 1
-        self._round = [self.values[part[0] : part[-1] + 1] for part in np.split(places, gaps) if len(part)]
+        self._values = np.zeros((ROWS, self._count))
+        self._parts = [(port, slice(places[0], places[0] + len(places))) for port, places in self._ports.values()]
         self.messages = MessageBlock(self._messages, np.concatenate(self._order))
 
-    def fill(self, context: Context) -> None:
-        """Evaluates all ports."""
+    def sample(self, row: int, context: Context) -> np.ndarray:
+        """Evaluates all ports, and holds their values (M,) in a row."""
+        values = self._values[row]
         for port, part in self._parts:
             value: Any = port.Eval(context)
-            part[:] = value
-        for part in self._round:
-            part[:] = part.astype(np.float32)
+            values[part] = value
+        return values
+
+    def encode(
+        self, rows: Sequence[int], times_ns: Sequence[int], places: np.ndarray | None = None, numbers: Any = None
+    ) -> list[bytes]:
+        """The records of each of some rows.
+
+        Args:
+            rows: (N,) in which they are held.
+            times_ns: (N,) simulated times, ns.
+            places, numbers: (P,) from `room`, and (N, P) what stands there.
+        """
+        values = self._values[rows]
+        if places is not None:
+            values[:, places] = numbers
+        for given, make, room in self._made:
+            values[:, room] = make(values[:, given])
+        values[:, self._rounded] = values[:, self._rounded].astype(np.float32)
+        return self.messages.encode(np.array(times_ns), values)

@@ -1,7 +1,8 @@
 """The barrier Lyapunov coupler: which acceleration every link's length must have to stay inside its band."""
 
 import numpy as np
-from pydrake.systems.framework import LeafSystem_
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import LeafSystem_, ValueProducer
 from pydrake.systems.scalar_conversion import TemplateSystem
 
 from drake_blfdmp.skeleton import HANDS
@@ -56,24 +57,28 @@ def BlfCoupler_(T):
             self._velocity = self.DeclareVectorInputPort("velocity", 18)
             self._bands = self.DeclareVectorInputPort("bands", 30)
             self._measured = self.DeclareVectorInputPort("measured_distance", 3)
-            self._error = self.DeclareVectorOutputPort("link_acceleration", 5, self._calc_link_acceleration)
-            self.DeclareVectorOutputPort("barrier", 5, self._calc_barrier)
-            self.DeclareVectorOutputPort("margin", 5, self._calc_margin)
+            # All outputs are made of the same errors.
+            producer = ValueProducer(allocate=lambda: AbstractValue.Make(()), calc=self._calc_errors)
+            inputs = {self.all_input_ports_ticket()}
+            self._errors = self.DeclareCacheEntry("errors", producer, inputs)
+            self.DeclareVectorOutputPort("link_acceleration", 5, self._calc_link_acceleration, inputs)
+            self.DeclareVectorOutputPort("barrier", 5, self._calc_barrier, {self._errors.ticket()})
+            self.DeclareVectorOutputPort("margin", 5, self._calc_margin, {self._errors.ticket()})
 
         def _construct_copy(self, other, converter=None):
             Impl._construct(self, **other._parameters, converter=converter)
 
-        def _errors(self, context):
+        def _calc_errors(self, context, value):
             bands = self._bands.Eval(context).reshape(6, 5)
             rho, rho_dot, _, _ = link_states(
                 self._position.Eval(context).reshape(6, 3), self._velocity.Eval(context).reshape(6, 3)
             )
             if self._measured.HasValue(context):
                 rho[HANDS], rho_dot[HANDS] = self._measured.Eval(context)[:2]
-            return *normalised_error(rho, rho_dot, bands), bands
+            value.set_value((*normalised_error(rho, rho_dot, bands), bands))
 
         def _calc_link_acceleration(self, context, output):
-            xi, xi_dot, bands = self._errors(context)
+            xi, xi_dot, bands = self._errors.Eval(context)
             xi_ddot = error_acceleration(xi, xi_dot, self._gains.k_1, self._gains.k_2)
             demanded = length_acceleration(xi, xi_dot, xi_ddot, bands)
             if self._measured.HasValue(context):
@@ -81,11 +86,11 @@ def BlfCoupler_(T):
             output.SetFromVector(demanded)
 
         def _calc_barrier(self, context, output):
-            xi, xi_dot, _ = self._errors(context)
+            xi, xi_dot, _ = self._errors.Eval(context)
             output.SetFromVector(barrier_function(xi, xi_dot, self._gains.k_1))
 
         def _calc_margin(self, context, output):
-            xi, _, _ = self._errors(context)
+            xi, _, _ = self._errors.Eval(context)
             output.SetFromVector(1.0 - np.abs(xi))
 
     return Impl

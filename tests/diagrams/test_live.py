@@ -75,7 +75,9 @@ def test_a_moved_goal_moves_all_points_as_critical_damping_has_it_and_no_lengths
     parts = AddSkill(builder, skill, plan.task.bands, gains=LawGains(plan.scenario), time_step=STEP)
     opens, after = 0.2, 0.6
     goal = builder.AddSystem(
-        LiveGoal(scale=0.5, window=(opens, 99.0), rate=1e6, tau=skill.tau, gamma=skill.gamma, time_step=STEP)
+        LiveGoal(
+            scale=0.5, window=(opens - 0.5 * STEP, 99.0), rate=1e6, tau=skill.tau, gamma=skill.gamma, time_step=STEP
+        )
     )
     planned, wanting = parts.goal.get_output_port(), parts.transformation.GetInputPort("goal")
     builder.Disconnect(planned, wanting)

@@ -16,7 +16,7 @@ def dot(default_plan):
 def test_every_system_of_a_run_stands_in_a_frame(dot):
     systems = re.findall(r"<B>([^<]+)</B>", dot)
     framed = {name for names in run_diagram.GROUPS.values() for name in names}
-    assert framed - {"point_coupler", "push", "passed_times"} == set(systems)
+    assert framed - {"point_coupler", "push", "skill_clock", "passed_times"} == set(systems)
     assert len(systems) == len(set(systems))
     assert "@0" not in dot  # No system without a name of its own.
 

@@ -31,7 +31,8 @@ def begin(path, **options):
     block = MessageBlock([(channel, template) for channel in channels], np.array([5, 4, 3, 2, 1, 0]))
 
     def write(k):
-        file.write_block(block, k * STEP_NS, k + np.arange(6.0))
+        [records] = block.encode(np.array([k * STEP_NS]), k + np.arange(6.0)[None])
+        file.write_records(block, k * STEP_NS, records)
 
     return file, write
 

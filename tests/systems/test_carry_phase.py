@@ -5,7 +5,6 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_blfdmp.recording.event_recorder import EventRecorder
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.read import read_mcap
 from drake_blfdmp.robot.box import TableParameters
@@ -45,8 +44,7 @@ def test_events_are_written_when_they_happen(tmp_path):
     phase = builder.AddSystem(CarryPhase(tables=TABLES, box_height=0.2))
     recorder = McapRecorder(filename=tmp_path / "run.mcap", rate=50.0)
     builder.AddSystem(recorder)
-    events = builder.AddSystem(EventRecorder(recorder=recorder, names=PHASES, rate=50.0))
-    builder.Connect(phase.get_output_port(), events.get_input_port())
+    builder.Connect(phase.get_output_port(), recorder.AddEventInput("events", PHASES))
     builder.Connect(phase.get_output_port(), recorder.AddVectorInput("carry_phase", 1, ["phase"], "1"))
     diagram = builder.Build()
     simulator = Simulator(diagram)

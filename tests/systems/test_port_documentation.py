@@ -13,22 +13,19 @@ from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import LeafSystem
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace
-from drake_blfdmp.recording.event_recorder import EventRecorder
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
+from drake_blfdmp.recording.topic_recorder import TopicRecorder, VectorTopic
 from drake_blfdmp.robot.contact import palm_bodies
 from drake_blfdmp.robot.contact_wrenches import ContactPair
 from drake_blfdmp.ros2.messages import STRING
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.laws.primitive import Primitive
 from drake_blfdmp.skill.orientation import OrientationSkill
-from drake_blfdmp.systems.arm_swivels import ArmSwivels
 from drake_blfdmp.systems.contact_wrenches import ContactWrenches
-from drake_blfdmp.systems.link_lengths import LinkLengths
 from drake_blfdmp.systems.live_goal import LiveGoal
 from drake_blfdmp.systems.live_push import LivePush
 from drake_blfdmp.systems.orientation_system import OrientationSystem
 from drake_blfdmp.systems.passed_times import PassedTimes
-from drake_blfdmp.systems.planned_pose import PlannedPose
 from drake_blfdmp.systems.point_coupler import PointCoupler
 from drake_blfdmp.systems.skill_clock import SkillClock
 from drake_blfdmp.systems.timed_push import TimedPush
@@ -40,7 +37,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "drake_blfdmp"
 
 def is_leaf(base):
     node = base.value if isinstance(base, ast.Subscript) else base
-    return ast.unparse(node).rsplit(".", 1)[-1] in ("LeafSystem", "LeafSystem_")
+    return ast.unparse(node).rsplit(".", 1)[-1] in ("LeafSystem", "LeafSystem_", "TopicRecorder")
 
 
 def declared():
@@ -96,29 +93,36 @@ def systems(default_plan, tmp_path_factory):
         joints={"<joint group>": ["a"]},
         bodies={"box": 1},
     )
-    recorder.AddVectorInput("vector", 1, ["x"], "m")
-    recorder.AddWrenchInput("wrench", "world")
-    recorder.AddMessageInput("message", 1, STRING, lambda t_ns, value: b"")
+    _add_inputs(recorder)
     recorder.Close()
-    found["EventRecorder"] = EventRecorder(recorder=recorder, names=["a"])
     found["McapRecorder"] = recorder
+    topics = TopicRecorder(filename=tmp_path_factory.mktemp("ports") / "topics.mcap")
+    _add_inputs(topics)
+    topics.Close()
+    found["TopicRecorder"] = topics
     skill = default_plan.task.skill
     unit = np.array([1.0, 0.0, 0.0, 0.0])
     turning = replace(skill, orientation=OrientationSkill(np.zeros((len(skill.centers), 3)), unit, unit))
     found["OrientationSystem"] = OrientationSystem(skill=turning, time_step=0.004)
-    found["LinkLengths"] = LinkLengths()
     found["SkillClock"] = SkillClock(tau=1.0)
     found["PassedTimes"] = PassedTimes(times=[1.0])
-    found["PlannedPose"] = PlannedPose(t=np.array([0.0, 1.0]), poses=np.zeros((2, 7)))
-    found["ArmSwivels"] = ArmSwivels(plant=parts.plant, arms=parts.arms)
     palms = palm_bodies(parts.plant, parts.arms)
-    found["ContactWrenches"] = ContactWrenches(pairs={"pair": ContactPair(palms[0], (parts.box,))})
+    found["ContactWrenches"] = ContactWrenches(pairs=[ContactPair(palms[0], (parts.box,))])
     push = {"force": [1.0, 0.0, 0.0], "start_s": 0.0, "duration_s": 1.0}
     found["TimedPush"] = TimedPush(body=parts.box, **push)
     found["LivePush"] = LivePush(body=parts.box)
     found["LiveGoal"] = LiveGoal(scale=1.0, window=(0.0, 1.0), rate=0.1, tau=1.0, time_step=0.004)
     found["keep"] = (diagram, parts)
     return found
+
+
+def _add_inputs(recorder):
+    recorder.AddVectorInput("vector", 1, ["x"], "m")
+    recorder.AddVectorInputs("vectors", [VectorTopic("one", ["x"], "m")])
+    recorder.AddWrenchInput("wrench", "world")
+    recorder.AddWrenchInputs("wrenches", {"two": "world"})
+    recorder.AddMessageInput("message", 1, STRING, lambda t_ns, value: b"")
+    recorder.AddEventInput("event", ["", "on"])
 
 
 def test_there_are_as_many_as_the_architecture_says():
@@ -132,9 +136,11 @@ def test_the_block_lists_the_real_ports_in_their_order(name, systems):
     inputs, outputs = documented(BLOCKS[name])
     aliases = {
         "<name given to AddVectorInput>": "vector",
+        "<name given to AddVectorInputs>": "vectors",
         "<name given to AddWrenchInput>": "wrench",
+        "<name given to AddWrenchInputs>": "wrenches",
         "<name given to AddMessageInput>": "message",
-        "<name of a pair>": "pair",
+        "<name given to AddEventInput>": "event",
     }
     inputs = [aliases.get(port, port) for port, _ in inputs]
     assert (inputs, [aliases.get(port, port) for port, _ in outputs]) == real(systems[name])
@@ -145,7 +151,7 @@ def outputs_of(name):
     return documented(BLOCKS[name])[1]
 
 
-@pytest.mark.parametrize("name", sorted(set(BLOCKS) - {"McapRecorder", "EventRecorder"}))
+@pytest.mark.parametrize("name", sorted(set(BLOCKS) - {"McapRecorder", "TopicRecorder"}))
 def test_what_is_optional_and_nothing_else_may_be_left_open(name, systems):
     """With every input that is not optional given a value, a state is updated and every output has one."""
     system = systems[name]

@@ -1,0 +1,349 @@
+"""Records named vectors, wrenches and events of a simulated run in MCAP; the base of `McapRecorder`."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+import numpy as np
+from pydrake.systems.framework import Context, InputPort, LeafSystem
+
+from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
+from drake_blfdmp.recording.sample_block import Make
+from drake_blfdmp.recording.sampler import Encode, EncodedTopic, RecordedBodies, RecordedTopic, Sampler
+from drake_blfdmp.ros2 import messages as ros2_messages
+
+_NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
+_LOGGER = "drake_blfdmp"
+_FORCE_FIRST = np.array([3, 4, 5, 0, 1, 2])
+
+
+def check_unique(what: str, names: Sequence[str]) -> None:
+    """Refuse names that are empty or given twice.
+
+    Raises:
+        RecorderError: one is.
+    """
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice or "" in names:
+        raise RecorderError(f"recorder: {what} name '{twice[0] if twice else ''}' is empty or given twice; rename it")
+
+
+class VectorTopic(NamedTuple):
+    """A topic of named numbers.
+
+    Attributes:
+        name: of the topic, without its first `/`: letters, digits, `_`, and `/` between parts.
+        elements: names of the numbers.
+        unit: of all elements, for example "m"; "1" for pure numbers.
+        single_precision: round to the seven digits of a float32, which halves what the numbers take in the file.
+        size: how many numbers the port has for the topic; as many as there are elements when None.
+        make: makes the elements' numbers (N, len(elements)) of N samples' numbers (N, size); None takes them as they
+            are. What is looked at and not simulated with costs less so than as a system of its own: it is called for
+            many samples at once.
+    """
+
+    name: str
+    elements: Sequence[str]
+    unit: str
+    single_precision: bool = False
+    size: int | None = None
+    make: Make | None = None
+
+
+class TopicRecorder(LeafSystem):
+    """What every recorder does: samples at a rate, a topic a signal, events, attachments, and a file that is complete.
+
+    .. pydrake_system::
+
+        name: TopicRecorder
+        input_ports:
+        - <name given to AddVectorInput>
+        - <name given to AddVectorInputs>
+        - <name given to AddWrenchInput>
+        - <name given to AddWrenchInputs>
+        - <name given to AddMessageInput>
+        - <name given to AddEventInput>
+
+    A sample is read when it is due and written with others, after 0.4 s of wall time at the latest, at once where
+    samples are 0.1 s or more apart, and in any case before `Event`, `AddAttachment`, `Flush` and `Close` return.
+    """
+
+    def __init__(
+        self,
+        *,
+        filename: str | Path,
+        rate: float = 100.0,
+        chunk_duration: float = 1.0,
+        metadata: Mapping[str, object] | None = None,
+    ):
+        """Creates the file and declares the event.
+
+        Args:
+            filename: the file to create; it must not exist.
+            rate: samples per simulated second, Hz.
+            chunk_duration: simulated time in a chunk, s.
+            metadata: what is to be known of the run: the metadata record "run".
+
+        Raises:
+            RecorderError: the file exists or cannot be created.
+        """
+        LeafSystem.__init__(self)
+        self._topics = {"events"}
+        self._joint_names: list[str] = []  # That no element of a vector may have.
+        self._recorded: list[RecordedTopic] = []
+        self._encoded: list[EncodedTopic] = []
+        self._bodies: RecordedBodies | None = None
+        self._optional: set[str] = set()  # Ports that need no source.
+        self._sampler: Sampler | None = None
+        self._last_ns: int | None = None
+        self.DeclarePeriodicPublishEvent(1.0 / rate, 0.0, self._publish)
+        self._file = McapFile(filename, chunk_duration=chunk_duration)
+        self._file.before_close = self.Flush
+        self._file.add_metadata("run", metadata or {})
+        self._events_channel = self._file.add_channel("/events", ros2_messages.LOG)
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._file.path
+
+    def AddVectorInput(
+        self,
+        name: str,
+        size: int,
+        elements: Sequence[str],
+        unit: str,
+        *,
+        single_precision: bool = False,
+        every: int = 1,
+    ) -> InputPort:
+        """Declares an input port called `name` and records it on the topic `/<name>`; returns the port.
+
+        Call it before the diagram is built.
+
+        Args:
+            name, elements, unit, single_precision: as in VectorTopic.
+            size: the port's size, and that of `elements`.
+            every: record each so many samples only.
+
+        Raises:
+            RecorderError: the name is taken or unusable, `elements` does not fit `size`, or there is no unit.
+        """
+        if len(elements) != size:
+            raise RecorderError(f"recorder: vector '{name}' has size {size} but {len(elements)} names; name each")
+        return self.AddVectorInputs(name, [VectorTopic(name, elements, unit, single_precision)], every=every)
+
+    def AddVectorInputs(self, name: str, topics: Sequence[VectorTopic], *, every: int = 1) -> InputPort:
+        """Declares one input port called `name` for several topics; returns the port.
+
+        Its value is theirs, one after the other, as from a Multiplexer. Reading a port costs microseconds whatever its
+        size, so this is cheaper than a port a topic. Call it before the diagram is built.
+
+        Args:
+            name: of the port.
+            topics: a topic or more.
+            every: record each so many samples only.
+
+        Raises:
+            RecorderError: a name is taken or unusable, or a topic has no unit.
+        """
+        self._check_port(name, every)
+        for topic in topics:
+            if not topic.unit:
+                raise RecorderError(f"recorder: vector '{topic.name}' has no unit; give one, '1' for pure numbers")
+            check_unique(f"vector '{topic.name}': element", list(topic.elements))
+        channels = [self._add_topic(topic.name, ros2_messages.JOINT_STATE, {"unit": topic.unit}) for topic in topics]
+        sizes = [len(topic.elements) if topic.size is None else topic.size for topic in topics]
+        port, at = self.DeclareVectorInputPort(name, sum(sizes)), 0
+        for topic, channel, size in zip(topics, channels, sizes, strict=True):
+            names = [f"{topic.name}.{one}" if one in self._joint_names else one for one in topic.elements]
+            template = ros2_messages.joint_state_template(names, velocity=False, effort=False)
+            places, at = np.arange(at, at + size), at + size
+            one = RecordedTopic(channel, [(port, places)], template, every, topic.single_precision, topic.make)
+            self._recorded.append(one)
+        return port
+
+    def AddWrenchInput(self, name: str, frame: str, *, single_precision: bool = False, every: int = 1) -> InputPort:
+        """Declares an input port (6) called `name` and records it on the topic `/<name>`; returns the port.
+
+        Call it before the diagram is built.
+
+        Args:
+            name, single_precision, every: as in AddVectorInput.
+            frame: name of the frame in which the wrench is expressed, and at whose origin its force is applied.
+
+        The port takes Drake's order, SpatialForce.get_coeffs(): torque (3, N m), then force (3, N).
+
+        Raises:
+            RecorderError: the name is taken or unusable.
+        """
+        return self.AddWrenchInputs(name, {name: frame}, single_precision=single_precision, every=every)
+
+    def AddWrenchInputs(
+        self, name: str, frames: Mapping[str, str], *, single_precision: bool = False, every: int = 1
+    ) -> InputPort:
+        """Declares one input port (6 K) called `name` for K wrenches; returns the port. Otherwise as AddWrenchInput.
+
+        Args:
+            name: of the port.
+            frames: topic, without its first `/` -> frame, in the order of the port's value.
+            single_precision, every: as in AddVectorInput.
+
+        Raises:
+            RecorderError: a name is taken or unusable.
+        """
+        self._check_port(name, every)
+        channels = [self._add_topic(topic, ros2_messages.WRENCH, {"unit": "N, N m"}) for topic in frames]
+        port = self.DeclareVectorInputPort(name, 6 * len(frames))
+        for k, (channel, frame) in enumerate(zip(channels, frames.values(), strict=True)):
+            part, template = (port, 6 * k + _FORCE_FIRST), ros2_messages.wrench_template(frame)
+            self._recorded.append(RecordedTopic(channel, [part], template, every, single_precision))
+        return port
+
+    def AddMessageInput(
+        self,
+        name: str,
+        size: int,
+        message_type: str,
+        encode: Encode,
+        *,
+        metadata: Mapping[str, str] | None = None,
+        every: int = 1,
+    ) -> InputPort:
+        """Declares an input port called `name`, of whose value `encode` makes the messages on the topic `/<name>`.
+
+        Call it before the diagram is built.
+
+        Args:
+            name, size, every: as in AddVectorInput.
+            message_type: one of `ros2.messages.DEFINITIONS`.
+            encode: the CDR message of a time (ns) and the port's value (size,).
+            metadata: of the channel.
+
+        Raises:
+            RecorderError: the name is taken or unusable, or `every` is not 1 or more.
+        """
+        self._check_port(name, every)
+        channel = self._add_topic(name, message_type, metadata or {})
+        port = self.DeclareVectorInputPort(name, size)
+        self._encoded.append(EncodedTopic(channel, port, encode, every))
+        return port
+
+    def AddEventInput(self, name: str, names: Sequence[str]) -> InputPort:
+        """Declares an input port (1) called `name` whose value is an index of `names`; returns the port.
+
+        Whenever it changes, its name is written as an event, as `Event` does; so is the first. A number whose name is
+        empty is no event. Call it before the diagram is built.
+
+        Raises:
+            RecorderError: the name is taken.
+        """
+        self._check_port(name, 1)
+        self._check_early(name)
+        port, last = self.DeclareVectorInputPort(name, 1), [-1]
+
+        def encode(t_ns: int, value: np.ndarray) -> bytes | None:
+            number = int(value[0])
+            changed, last[0] = number != last[0], number
+            return ros2_messages.log_message(t_ns, _LOGGER, names[number]) if changed and names[number] else None
+
+        self._encoded.append(EncodedTopic(self._events_channel, port, encode, 1))
+        return port
+
+    def Event(self, name: str, t: float) -> None:
+        """Records that `name` (grasp, lift, release and so on) happened at simulated time `t` (s).
+
+        Raises:
+            RecorderError: `t` is negative or no number.
+        """
+        if not (math.isfinite(t) and t >= 0):
+            raise RecorderError(f"recorder: event '{name}' at t = {t} s; give a time from 0 on")
+        self.Flush()
+        if not self._file.closed:
+            t_ns = round(t * 1e9)
+            self._file.write(self._events_channel, t_ns, ros2_messages.log_message(t_ns, _LOGGER, name))
+
+    def AddAttachment(self, name: str, data: bytes | str, media_type: str = "text/plain") -> None:
+        """Stores a whole file (scenario, skill, summary) in the recording.
+
+        Raises:
+            RecorderError: the recorder is closed.
+        """
+        if self._file.closed:
+            raise RecorderError(f"{self._file.path}: attachment '{name}' comes after Close(); add it before")
+        self.Flush()
+        self._file.add_attachment(name, data.encode() if isinstance(data, str) else data, media_type)
+
+    def Flush(self) -> None:
+        """Writes what is held, so that nothing read so far is lost with the process; for whoever pauses a simulation.
+
+        Raises:
+            RecorderError: it cannot be written.
+        """
+        if self._sampler is not None and not self._file.closed:
+            self._sampler.flush(self._file)
+
+    def Close(self) -> None:
+        """Completes the file; a second call does nothing.
+
+        Raises:
+            RecorderError: the rest cannot be written.
+        """
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.Close()
+
+    def _add_topic(self, name: str, message_type: str, metadata: Mapping[str, str]) -> int:
+        """The channel of a topic of its own."""
+        if not _NAME.fullmatch(name):
+            raise RecorderError(f"recorder: '{name}' is no topic name; use letters, digits, '_', and '/' between parts")
+        if name in self._topics:
+            raise RecorderError(f"recorder: '{name}' is taken; choose another name")
+        self._check_early(name)
+        self._topics.add(name)
+        return self._file.add_channel(f"/{name}", message_type, metadata)
+
+    def _check_port(self, name: str, every: int) -> None:
+        if every < 1:
+            raise RecorderError(f"recorder: '{name}' is to be recorded every {every} samples; give 1 or more")
+        if self.HasInputPort(name):
+            raise RecorderError(f"recorder: '{name}' is taken; choose another name")
+
+    def _check_early(self, name: str) -> None:
+        if self._file.closed or self._last_ns is not None:
+            raise RecorderError(f"recorder: '{name}' comes after the first sample; add it before the diagram is built")
+
+    def _check_connected(self, context: Context) -> None:
+        for port in map(self.get_input_port, range(self.num_input_ports())):
+            if port.get_name() not in self._optional and not port.HasValue(context):
+                raise RecorderError(f"recorder: input port '{port.get_name()}' is not connected; connect it")
+
+    def _make_sampler(self, context: Context, t_ns: int) -> Sampler:
+        """At the first sample, at `t_ns` (ns): says what a sample is."""
+        return Sampler(self._recorded, self._bodies, self._encoded)
+
+    def _publish(self, context: Context) -> None:
+        """Takes one sample of everything."""
+        file = self._file
+        if file.closed:
+            return
+        t_ns = round(context.get_time() * 1e9)
+        if self._last_ns is not None and t_ns < self._last_ns:
+            raise RecorderError(
+                f"{file.path}: time went back from {self._last_ns * 1e-9:.6g} s to {t_ns * 1e-9:.6g} s; "
+                "use a new recorder, and a new file, for each run"
+            )
+        self._last_ns = t_ns
+        if self._sampler is None:
+            self._check_connected(context)
+            self._sampler = self._make_sampler(context, t_ns)
+        self._sampler.sample(context, t_ns, file)
