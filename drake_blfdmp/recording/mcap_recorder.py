@@ -160,6 +160,7 @@ class McapRecorder(TopicRecorder):
             RecorderError: as the constructor; or an arm is no model instance of the plant.
         """
         names = plant_names(plant, arms)
+        check_unique("body", [*names.bodies, *names.static_bodies, *(static_frames or {})])
         context = plant.CreateDefaultContext()
         still = {
             name: plant.EvalBodyPoseInWorld(context, plant.get_body(BodyIndex(index)))
@@ -187,7 +188,6 @@ class McapRecorder(TopicRecorder):
     def _add_plant(self, plant: MultibodyPlant, names: PlantNames) -> None:
         """Records a plant's joints and bodies by its whole state: reading one port costs as much as reading another."""
         self._joint_names = [name for group in names.joints.values() for name in group]
-        check_unique("body", [*names.bodies, *self._static_frames])
         state = self.DeclareVectorInputPort("plant_state", plant.num_multibody_states())
         if self._joint_names:
             parts = [(state, np.array([*names.positions, *names.velocities]))]

@@ -26,6 +26,7 @@ class BodyPoses:
     """X_WB of chosen bodies of a finalized plant, for N positions in about the time that Drake takes for a few.
 
     Bodies that are welded together move as one. Those equally many joints away from the world are placed together.
+    Frames stand on their bodies where the plant has them by default, whatever a context says.
     """
 
     def __init__(self, plant: MultibodyPlant, bodies: Sequence[int]):
@@ -35,13 +36,15 @@ class BodyPoses:
             ValueError: a joint on the way to the world is none of those known here, see `known`.
         """
         self._size = plant.num_positions()
-        inboard = {int(joint.child_body().index()): joint for joint in _joints(plant)}
+        inboard = _inboard(plant)
         places = {0: _Place(0, 0, np.eye(4))}
         moving: dict[int, tuple[Joint, np.ndarray]] = {}
 
         def place(body: int) -> _Place:
             if body not in places:
-                joint = inboard[body]
+                joint = inboard.get(body)
+                if joint is None:
+                    raise ValueError(f"body {body} is the child of no joint, or of several")
                 parent, X = place(int(joint.parent_body().index())), _coefficients(joint)
                 if _kind(joint) == WELD:
                     places[body] = parent._replace(offset=parent.offset @ X[0])
@@ -56,7 +59,9 @@ class BodyPoses:
         joints = [moving[body][0] for body in order]
         turning = [k for k, joint in enumerate(joints) if _kind(joint) != FLOATING]
         self._turning, self._q = turning, [joints[k].position_start() for k in turning]
-        self._floating = [(k, joint.position_start()) for k, joint in enumerate(joints) if _kind(joint) == FLOATING]
+        self._floating = [
+            (k, joint.position_start(), _X_MB(joint)) for k, joint in enumerate(joints) if _kind(joint) == FLOATING
+        ]
         coefficients = [moving[body][1] for body in order]
         self._coefficients = np.array(coefficients).reshape(len(order), _FEATURES, 16)
         parents = [row[places[int(joint.parent_body().index())].moving] for joint in joints]
@@ -71,8 +76,9 @@ class BodyPoses:
 
     @staticmethod
     def known(plant: MultibodyPlant) -> bool:
-        """Whether all joints of a finalized plant are known here."""
-        return all(_kind(joint) in (WELD, REVOLUTE, PRISMATIC, FLOATING) for joint in _joints(plant))
+        """Whether all joints of a finalized plant are known here, and every body hangs on one as its child."""
+        kinds = {_kind(joint) for joint in _joints(plant)}
+        return kinds <= {WELD, REVOLUTE, PRISMATIC, FLOATING} and len(_inboard(plant)) == plant.num_bodies() - 1
 
     def evaluate(self, q: np.ndarray) -> np.ndarray:
         """The poses [R p] of the bodies (N, B, 3, 4) at the plant's positions (N, nq)."""
@@ -86,8 +92,8 @@ class BodyPoses:
         poses = np.empty((1 + count, n, 4, 4))
         poses[0] = np.eye(4)
         poses[1:] = (features @ self._coefficients).reshape(count, n, 4, 4)
-        for k, first in self._floating:
-            poses[1 + k] = poses[1 + k] @ _floating(q[:, first : first + 7])
+        for k, first, X_MB in self._floating:
+            poses[1 + k] = poses[1 + k] @ _floating(q[:, first : first + 7]) @ X_MB
         for some, parents in self._levels:
             poses[some] = poses[parents] @ poses[some]
         found = poses[self._wanted]
@@ -98,6 +104,13 @@ class BodyPoses:
 
 def _joints(plant: MultibodyPlant) -> list[Joint]:
     return [plant.get_joint(JointIndex(index)) for index in map(int, plant.GetJointIndices())]
+
+
+def _inboard(plant: MultibodyPlant) -> dict[int, Joint]:
+    """Body -> the one joint whose child it is."""
+    joints = _joints(plant)
+    children = [int(joint.child_body().index()) for joint in joints]
+    return {body: joint for body, joint in zip(children, joints, strict=True) if body and children.count(body) == 1}
 
 
 def _kind(joint: Any) -> str:
@@ -112,7 +125,6 @@ def _coefficients(joint: Any) -> np.ndarray:
     """
     kind = _kind(joint)
     X_PF = joint.frame_on_parent().GetFixedPoseInBodyFrame().GetAsMatrix4()
-    X_MB = joint.frame_on_child().GetFixedPoseInBodyFrame().inverse().GetAsMatrix4()
     X_FM = np.zeros((_FEATURES, 4, 4))
     X_FM[0, 3, 3] = 1.0
     if kind == WELD:
@@ -127,12 +139,15 @@ def _coefficients(joint: Any) -> np.ndarray:
         X_FM[0, :3, :3] = np.eye(3)
         X_FM[3, :3, 3] = joint.translation_axis()
     elif kind == FLOATING:
-        if not np.array_equal(X_MB, np.eye(4)):
-            raise ValueError(f"joint {joint.name()}: a floating body's frame is not its joint's")
         X_FM[0] = np.eye(4)
+        return X_PF @ X_FM
     else:
         raise ValueError(f"joint {joint.name()}: {kind} is not known here")
-    return X_PF @ X_FM @ X_MB
+    return X_PF @ X_FM @ _X_MB(joint)
+
+
+def _X_MB(joint: Any) -> np.ndarray:
+    return joint.frame_on_child().GetFixedPoseInBodyFrame().inverse().GetAsMatrix4()
 
 
 def _floating(q: np.ndarray) -> np.ndarray:

@@ -253,9 +253,26 @@ def test_a_joint_that_is_placed_by_drake_alone(tmp_path):
     joint.set_default_angles([0.3, -0.4, 0.5])
     recorder = McapRecorder.AddToBuilder(filename=tmp_path / "run.mcap", builder=builder, plant=plant, arms=[])
     assert recorder.HasInputPort("body_poses")
+    state = plant.get_state_output_port()
+    logger = LogVectorOutput(state, builder, publish_period=0.01)
     with recorder:
         simulator = Simulator(builder.Build())
-        simulator.Initialize()
-    [pose] = read_mcap(tmp_path / "run.mcap").series["/tf"].values[0]
-    q = RollPitchYaw(0.3, -0.4, 0.5).ToQuaternion()
-    np.testing.assert_allclose(pose, [0, 0, 0, q.x(), q.y(), q.z(), q.w()], atol=1e-7)
+        joint.set_angular_velocity(plant.GetMyMutableContextFromRoot(simulator.get_mutable_context()), [2.0, 1.0, -3.0])
+        simulator.AdvanceTo(0.3)
+        angles = logger.FindLog(simulator.get_context()).data()[:3].T
+    found = read_mcap(tmp_path / "run.mcap").series["/tf"].values[:, 0]
+    expected = [RollPitchYaw(one).ToQuaternion().wxyz() for one in angles]
+    np.testing.assert_allclose(found[:, [6, 3, 4, 5]], expected[: len(found)], atol=1e-7)
+    assert np.ptp(found[:, 5]) > 0.1
+
+
+def test_a_frame_with_the_name_of_a_body_is_refused(path):
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.001)
+    plant.AddRigidBody("box", SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1))
+    plant.Finalize()
+    with pytest.raises(RecorderError, match="body name 'box' is empty or given twice"):
+        McapRecorder.AddToBuilder(
+            filename=path, builder=builder, plant=plant, arms=[], static_frames={"box": RigidTransform()}
+        )
+    assert not path.exists()

@@ -9,7 +9,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
     BallRpyJoint,
     BodyIndex,
+    FixedOffsetFrame,
     PrismaticJoint,
+    QuaternionFloatingJoint,
     RevoluteJoint,
     SpatialInertia,
     WeldJoint,
@@ -28,7 +30,7 @@ def pose(k):
 def mixed_plant():
     """Two branches with every known joint, each with offsets on both sides, and two floating bodies, one not from W."""
     plant = MultibodyPlant(0.001)
-    bodies = [plant.AddRigidBody(f"b{k}", INERTIA) for k in range(8)]
+    bodies = [plant.AddRigidBody(f"b{k}", INERTIA) for k in range(9)]
     joint = plant.AddJoint
     joint(RevoluteJoint("j0", _frame(plant, plant.world_body(), 1), _frame(plant, bodies[0], 2), [1.0, 2.0, -0.5]))
     joint(PrismaticJoint("j1", _frame(plant, bodies[0], 3), _frame(plant, bodies[1], 4), [0.2, -1.0, 0.7]))
@@ -37,13 +39,12 @@ def mixed_plant():
     joint(WeldJoint("j4", plant.world_frame(), bodies[4].body_frame(), pose(3)))
     joint(RevoluteJoint("j5", _frame(plant, bodies[4], 1), bodies[5].body_frame(), [0.0, 1.0, 0.0]))
     joint(RevoluteJoint("j6", bodies[6].body_frame(), bodies[7].body_frame(), [0.0, 1.0, 0.0]))  # On a floating one.
+    joint(QuaternionFloatingJoint("j7", _frame(plant, bodies[3], 2), _frame(plant, bodies[8], 5)))
     plant.Finalize()
     return plant
 
 
 def _frame(plant, body, k):
-    from pydrake.multibody.tree import FixedOffsetFrame
-
     return plant.AddFrame(FixedOffsetFrame(f"f{k}_{body.name()}", body, pose(k)))
 
 
@@ -107,6 +108,17 @@ def test_a_joint_that_is_not_known_is_named():
     plant.Finalize()
     assert not BodyPoses.known(plant)
     with pytest.raises(ValueError, match="joint ball: ball_rpy is not known here"):
+        BodyPoses(plant, [1])
+
+
+def test_a_joint_that_is_hung_the_other_way_round_is_not_known():
+    """Drake turns such a joint round; what places its body here does not."""
+    plant = MultibodyPlant(0.001)
+    body = plant.AddRigidBody("b", INERTIA)
+    plant.AddJoint(RevoluteJoint("back", body.body_frame(), plant.world_frame(), [0.0, 0.0, 1.0]))
+    plant.Finalize()
+    assert not BodyPoses.known(plant)
+    with pytest.raises(ValueError, match="body 1 is the child of no joint"):
         BodyPoses(plant, [1])
 
 
