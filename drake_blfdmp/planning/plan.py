@@ -22,7 +22,15 @@ from drake_blfdmp.planning.planned import (
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
-from drake_blfdmp.planning.squeeze import ChooseSqueeze, Compliances, RefuseForce, SqueezeCompliance, Strengths
+from drake_blfdmp.planning.squeeze import (
+    EVEN,
+    UNEVEN,
+    ChooseSqueeze,
+    Compliances,
+    RefuseForce,
+    SqueezeCompliance,
+    Strengths,
+)
 from drake_blfdmp.planning.steadied_task import MakeSteadiedTask
 from drake_blfdmp.planning.supports import Ends, ShiftForSupports
 from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeTask, Raised, RollOutTask, Shifted
@@ -234,7 +242,8 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     compliances = Compliances(plant, postures)
     in_palms = carried_box(reach.retarget)
     acceleration = in_palms.largest_acceleration(task, coupled) / stretch**2
-    squeeze = ChooseSqueeze(scenario.task, box, compliances, Strengths(plant, postures, box.mass), acceleration)
+    strengths = [Strengths(plant, postures, box.mass, share) for share in (EVEN, UNEVEN)]
+    squeeze = ChooseSqueeze(scenario.task, box, compliances, *strengths, acceleration)
     scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))
     notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]

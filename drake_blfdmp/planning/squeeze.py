@@ -27,6 +27,9 @@ ARMS_NEED = 2.2
 UNSURE = 0.2
 """A box may be so much heavier and so much smoother than believed, and is still held, where the limits allow it."""
 
+EVEN, UNEVEN = 0.5, 1.0
+"""Shares of a box's weight that a palm bears: where both bear alike, and at worst; 0.9 was measured."""
+
 OVERSHOOT = 1.2
 """A palm may press by this factor more than its static force: trials measured 1.13 to 1.16 (`palm_stiffness`)."""
 
@@ -60,11 +63,11 @@ def Compliances(plant: MultibodyPlant, postures: np.ndarray) -> np.ndarray:
     return compliance
 
 
-def Strengths(plant: MultibodyPlant, postures: np.ndarray, mass: float) -> np.ndarray:
-    """The force (N,), N, with which both arms can press in postures (N, 14) while they bear a box of a mass, kg."""
+def Strengths(plant: MultibodyPlant, postures: np.ndarray, mass: float, share: float = EVEN) -> np.ndarray:
+    """The force (N,), N, with which both arms can press in postures (N, 14) while each bears a share of a mass, kg."""
     context = plant.CreateDefaultContext()
     arms = [plant.GetModelInstanceByName(arm) for arm in ARMS]
-    load, strengths = (0.0, 0.0, -0.5 * GRAVITY * mass), np.empty(len(postures))
+    load, strengths = (0.0, 0.0, -share * GRAVITY * mass), np.empty(len(postures))
     for k, q in enumerate(postures):
         plant.SetPositions(context, q)
         strengths[k] = min(largest_squeeze(plant, context, arm, load) for arm in arms)
@@ -107,26 +110,32 @@ def RefuseForce(task: TaskConfig, box: BoxParameters) -> None:
 
 
 def ChooseSqueeze(
-    task: TaskConfig, box: BoxParameters, compliances: np.ndarray, strengths: np.ndarray, acceleration: float
+    task: TaskConfig,
+    box: BoxParameters,
+    compliances: np.ndarray,
+    strengths: np.ndarray,
+    uneven: np.ndarray,
+    acceleration: float,
 ) -> Squeeze:
     """The squeeze of a carry: what is asked for, else `USUAL_FORCE` or what the box needs; within the limits.
 
     Both palms yield: the force of a depth d is 2 d / (1/k_left + 1/k_right). In no held posture it passes the force
-    limit or the arms' strength, less what `OVERSHOOT` keeps free.
+    limit or the arms' strength, less what `OVERSHOOT` keeps free. What is pressed more than usual, and more than the
+    box as it is believed to be needs, leaves room for palms that bear it unevenly.
 
     Args:
         task: its squeeze, squeeze_force and force_limit.
         box: the box.
         compliances: (N,) of the held postures, m/N.
         strengths: (N,) of the arms in them, N.
+        uneven: (N,) the same where one palm bears all of the box (`UNEVEN`), N.
         acceleration: largest of the carried box, m/s^2.
 
     Raises:
         TaskError: of reason force: no allowed squeeze holds the box, or more is asked for than is allowed.
     """
-    limits = np.minimum(task.force_limit, strengths) / OVERSHOOT
-    deepest = float(0.5 * np.min(limits * compliances))
     mean = 2.0 * float(np.mean(1.0 / compliances))  # Of the force over the depth, N/m.
+    deepest = _deepest(task, compliances, strengths)
     allowed = deepest * mean
     by = "task.force_limit" if strengths.min() >= task.force_limit else "the arms' strength"
     _refuse_weak(box, acceleration, allowed, by)
@@ -142,15 +151,22 @@ def ChooseSqueeze(
             f"could press harder than {by} allows in some posture; squeeze less",
             reason="force",
         )
-    force = min(WantedForce(box, acceleration), allowed) if task.squeeze_force is None else task.squeeze_force
+    needed, room = NeededForce(box, acceleration, ARMS_NEED), mean * _deepest(task, compliances, uneven)
+    wanted = min(max(USUAL_FORCE, needed, min(WantedForce(box, acceleration), room)), allowed)
+    force = wanted if task.squeeze_force is None else task.squeeze_force
     depth = force / mean if task.squeeze is None else task.squeeze
-    force, notes, needed = depth * mean, [], NeededForce(box, acceleration, ARMS_NEED)
+    force, notes = depth * mean, []
     if force < needed:
         notes.append(f"squeezed with {force:.0f} N as asked, where the box needs about {needed:.0f} N not to slip")
     elif task.squeeze is None and task.squeeze_force is None and abs(force - USUAL_FORCE) > 0.5:
         why = f"a box of {box.mass:g} kg with friction {box.friction:g} may need it" if force > USUAL_FORCE else by
         notes.append(f"squeezed with {force:.0f} N in place of the usual {USUAL_FORCE:.0f} N: {why}")
     return Squeeze(depth, force, tuple(notes))
+
+
+def _deepest(task: TaskConfig, compliances: np.ndarray, strengths: np.ndarray) -> float:
+    """The largest depth, m, of which no posture makes more force than the limit and the arms allow."""
+    return float(0.5 * np.min(np.minimum(task.force_limit, strengths) / OVERSHOOT * compliances))
 
 
 def _refuse_weak(box: BoxParameters, acceleration: float, allowed: float, by: str) -> None:

@@ -10,6 +10,7 @@ from drake_blfdmp.planning.scenario_sections import TaskConfig
 from drake_blfdmp.planning.squeeze import (
     ARMS_NEED,
     OVERSHOOT,
+    UNEVEN,
     USUAL_FORCE,
     ChooseSqueeze,
     Compliances,
@@ -32,8 +33,8 @@ HEAVY = BoxParameters(mass=3.0, friction=0.5)
 LIGHT = BoxParameters()
 
 
-def choose(box=LIGHT, acceleration=0.4, strengths=STRONG, **task):
-    return ChooseSqueeze(TaskConfig(**task), box, COMPLIANCES, strengths, acceleration)
+def choose(box=LIGHT, acceleration=0.4, strengths=STRONG, uneven=STRONG, **task):
+    return ChooseSqueeze(TaskConfig(**task), box, COMPLIANCES, strengths, uneven, acceleration)
 
 
 def forces(squeeze):
@@ -70,6 +71,18 @@ def test_no_posture_presses_harder_than_the_limit_or_the_arms_can():
     assert forces(limited).max() == pytest.approx(80.0 / OVERSHOOT)
     weak = choose(HEAVY, strengths=np.array([200.0, 200.0, 84.0]))
     assert np.max(forces(weak) - np.array([200.0, 200.0, 84.0]) / OVERSHOOT) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_comes_on_top_leaves_room_for_palms_that_bear_the_box_unevenly():
+    needed, wanted = NeededForce(HEAVY, 1.0, ARMS_NEED), WantedForce(HEAVY, 1.0)
+    assert USUAL_FORCE < needed < wanted
+    for room, force in ((2.0 * wanted, wanted), (0.5 * (needed + wanted), None), (0.5 * needed, needed)):
+        chosen = choose(HEAVY, acceleration=1.0, uneven=np.full(3, room * OVERSHOOT))
+        if force is None:
+            assert np.max(forces(chosen)) == pytest.approx(room)  # In the stiffest posture, less in the others.
+        else:
+            assert chosen.force == pytest.approx(force)
+    assert choose(uneven=np.full(3, 10.0)).force == pytest.approx(USUAL_FORCE)
 
 
 @pytest.mark.parametrize(
@@ -113,3 +126,4 @@ def test_compliance_and_strength_are_those_of_the_postures():
         largest_squeeze(plant, context, plant.GetModelInstanceByName(arm), (0.0, 0.0, -2.0 * 9.81)) for arm in ARMS
     )
     assert Strengths(plant, postures, 4.0)[1] == pytest.approx(min(left, right))
+    np.testing.assert_allclose(Strengths(plant, postures, 4.0, UNEVEN), Strengths(plant, postures, 8.0))
