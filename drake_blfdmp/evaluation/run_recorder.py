@@ -18,7 +18,7 @@ from drake_blfdmp.planning.scenario import DumpScenario
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.planned_signals import ATTACHMENT
 from drake_blfdmp.recording.plant_names import plant_names
-from drake_blfdmp.recording.topic_recorder import VectorTopic
+from drake_blfdmp.recording.topics import VectorTopic
 from drake_blfdmp.robot.carry_phases import PHASES
 from drake_blfdmp.robot.contact import palm_bodies
 from drake_blfdmp.robot.contact_wrenches import ContactPair

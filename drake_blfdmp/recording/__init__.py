@@ -3,6 +3,7 @@
 Written by:
 mcap_recorder        McapRecorder, the LeafSystem that records a run
 topic_recorder       its base, TopicRecorder: named vectors, wrenches, messages and events
+topics               what a topic is, and where its numbers come from
 plant_names          what of a plant is recorded, and under which names
 pose_rows            many poses at once as ROS 2 writes them
 sampler              what is read at every sample, held for a moment, and written

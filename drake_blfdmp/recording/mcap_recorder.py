@@ -15,8 +15,9 @@ from pydrake.systems.framework import Context, DiagramBuilder, InputPort
 from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.plant_names import PlantNames, plant_names
 from drake_blfdmp.recording.pose_rows import pose_rows
-from drake_blfdmp.recording.sampler import RecordedBodies, RecordedTopic, Sampler
-from drake_blfdmp.recording.topic_recorder import TopicRecorder, check_unique
+from drake_blfdmp.recording.sampler import Sampler
+from drake_blfdmp.recording.topic_recorder import TopicRecorder
+from drake_blfdmp.recording.topics import RecordedBodies, RecordedTopic, check_unique
 from drake_blfdmp.robot.body_poses import BodyPoses
 from drake_blfdmp.ros2 import messages as ros2_messages
 

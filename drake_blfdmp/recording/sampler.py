@@ -6,76 +6,21 @@ processor keeps at hand, and Python's way through a dozen messages takes several
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, InputPort
+from pydrake.systems.framework import Context
 
 from drake_blfdmp.recording.mcap_file import McapFile
 from drake_blfdmp.recording.pose_rows import pose_rows
-from drake_blfdmp.recording.sample_block import ROWS, Make, SampleBlock
+from drake_blfdmp.recording.sample_block import ROWS, SampleBlock
+from drake_blfdmp.recording.topics import EncodedTopic, RecordedBodies, RecordedTopic
 from drake_blfdmp.ros2 import messages as ros2_messages
-from drake_blfdmp.ros2.cdr import CdrTemplate
-
-Encode = Callable[[int, np.ndarray], bytes | None]
-"""The message of a port's value at a time in ns; None where there is none to be written."""
 
 LONGEST_S, SLOWEST_S = 0.4, 0.1
 """For how long a sample is held at most, s of wall time, and samples farther apart than this are not held at all."""
-
-
-class RecordedTopic(NamedTuple):
-    """A topic whose messages differ in times and numbers alone.
-
-    Attributes:
-        channel: where to.
-        parts: where from: ports, and of each the places in its value of the numbers wanted, one after the other.
-        template: of its messages.
-        every: of how many samples one is recorded.
-        single_precision: whether its numbers are rounded.
-        make: what makes the template's numbers (N, m) of the parts' (N, n); None takes these.
-        finite: whether a sample is left out as a whole where one of the parts' numbers is not finite.
-    """
-
-    channel: int
-    parts: Sequence[tuple[InputPort, np.ndarray]]
-    template: CdrTemplate
-    every: int = 1
-    single_precision: bool = False
-    make: Make | None = None
-    finite: bool = False
-
-
-class EncodedTopic(NamedTuple):
-    """A topic whose messages are made one by one.
-
-    Attributes:
-        channel, port: where to and where from.
-        encode: makes them.
-        every: of how many samples one is recorded.
-    """
-
-    channel: int
-    port: InputPort
-    encode: Encode
-    every: int
-
-
-class RecordedBodies(NamedTuple):
-    """What goes into `/tf`.
-
-    Attributes:
-        channel, port: where to and where from.
-        frame: that the poses are in.
-        indices: name of a body -> its index in the port's value.
-    """
-
-    channel: int
-    port: InputPort
-    frame: str
-    indices: Mapping[str, int]
 
 
 class _Held(NamedTuple):

@@ -5,52 +5,26 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 from pydrake.systems.framework import Context, InputPort, LeafSystem
 
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
-from drake_blfdmp.recording.sample_block import Make
-from drake_blfdmp.recording.sampler import Encode, EncodedTopic, RecordedBodies, RecordedTopic, Sampler
+from drake_blfdmp.recording.sampler import Sampler
+from drake_blfdmp.recording.topics import (
+    Encode,
+    EncodedTopic,
+    RecordedBodies,
+    RecordedTopic,
+    VectorTopic,
+    check_unique,
+)
 from drake_blfdmp.ros2 import messages as ros2_messages
 
 _NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 _LOGGER = "drake_blfdmp"
 _FORCE_FIRST = np.array([3, 4, 5, 0, 1, 2])
-
-
-def check_unique(what: str, names: Sequence[str]) -> None:
-    """Refuse names that are empty or given twice.
-
-    Raises:
-        RecorderError: one is.
-    """
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice or "" in names:
-        raise RecorderError(f"recorder: {what} name '{twice[0] if twice else ''}' is empty or given twice; rename it")
-
-
-class VectorTopic(NamedTuple):
-    """A topic of named numbers.
-
-    Attributes:
-        name: of the topic, without its first `/`: letters, digits, `_`, and `/` between parts.
-        elements: names of the numbers.
-        unit: of all elements, for example "m"; "1" for pure numbers.
-        single_precision: round to the seven digits of a float32, which halves what the numbers take in the file.
-        size: how many numbers the port has for the topic; as many as there are elements when None.
-        make: makes the elements' numbers (N, len(elements)) of N samples' numbers (N, size); None takes them as they
-            are. What is looked at and not simulated with costs less so than as a system of its own: it is called for
-            many samples at once.
-    """
-
-    name: str
-    elements: Sequence[str]
-    unit: str
-    single_precision: bool = False
-    size: int | None = None
-    make: Make | None = None
 
 
 class TopicRecorder(LeafSystem):

@@ -12,7 +12,8 @@ from pydrake.systems.primitives import ConstantVectorSource
 from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.read import read_mcap
-from drake_blfdmp.recording.topic_recorder import TopicRecorder, VectorTopic
+from drake_blfdmp.recording.topic_recorder import TopicRecorder
+from drake_blfdmp.recording.topics import VectorTopic
 from drake_blfdmp.ros2.messages import STRING, string_message
 
 TIMES = np.arange(0, 1_000_000_001, 10_000_000)  # ns

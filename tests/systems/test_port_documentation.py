@@ -14,7 +14,8 @@ from pydrake.systems.framework import LeafSystem
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace
 from drake_blfdmp.recording.mcap_recorder import McapRecorder
-from drake_blfdmp.recording.topic_recorder import TopicRecorder, VectorTopic
+from drake_blfdmp.recording.topic_recorder import TopicRecorder
+from drake_blfdmp.recording.topics import VectorTopic
 from drake_blfdmp.robot.contact import palm_bodies
 from drake_blfdmp.robot.contact_wrenches import ContactPair
 from drake_blfdmp.ros2.messages import STRING
