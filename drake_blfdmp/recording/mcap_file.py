@@ -245,8 +245,10 @@ class McapFile:
             return
         try:
             self.before_close()
-        finally:
+        except Exception:  # An interruption leaves it open: what is held then comes with the next call.
             self._complete()
+            raise
+        self._complete()
 
     def _complete(self) -> None:
         try:

@@ -41,8 +41,9 @@ class TopicRecorder(LeafSystem):
         - <name given to AddMessageInput>
         - <name given to AddEventInput>
 
-    A sample is read when it is due and written with others, after 0.4 s of wall time at the latest, at once where
-    samples are 0.1 s or more apart, and in any case before `Event`, `AddAttachment`, `Flush` and `Close` return.
+    A sample is read when it is due and written with others: with the first sample that comes 0.4 s of wall time later,
+    at once where samples are 0.1 s or more apart, and in any case before `Event`, `AddAttachment`, `Flush` and `Close`
+    return. Whoever lets a simulation stand still calls `Flush`.
     """
 
     def __init__(

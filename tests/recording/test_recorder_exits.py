@@ -10,11 +10,16 @@ import numpy as np
 import pytest
 import recorded_run as run
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_blfdmp.recording import sampler
 from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.read import read_mcap
 from drake_blfdmp.recording.recover import recover
+from drake_blfdmp.recording.stream import McapStream
+from drake_blfdmp.recording.topic_recorder import TopicRecorder
+from drake_blfdmp.ros2.messages import STRING, string_message
 
 
 @pytest.fixture
@@ -118,3 +123,27 @@ def test_a_recorder_nobody_closes_is_complete_at_exit(path):
     assert run_script(script, path).returncode == 3
     assert read_mcap(path).series["/margin"].t[-1] == pytest.approx(0.9)
     assert list(path.parent.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError])
+def test_a_close_that_an_encoder_or_an_interruption_breaks_off(path, error):
+    """An interruption costs the sample in hand alone; after an error the file is complete up to it."""
+    broken = [error()]
+
+    def encode(t_ns, value):
+        if t_ns == 30_000_000 and broken:
+            raise broken.pop()
+        return string_message("here")
+
+    builder = DiagramBuilder()
+    recorder = builder.AddSystem(TopicRecorder(filename=path))
+    source = builder.AddSystem(ConstantVectorSource([1.0]))
+    builder.Connect(source.get_output_port(), recorder.AddMessageInput("text", 1, STRING, encode))
+    simulator = Simulator(builder.Build())
+    simulator.AdvanceTo(0.105)
+    with pytest.raises(error):
+        recorder.Close()
+    recorder.Close()
+    times = [sample.t for sample in McapStream(path) if sample.topic == "/text"]
+    kept = {KeyboardInterrupt: [*range(3), *range(4, 11)], ZeroDivisionError: range(3)}[error]
+    np.testing.assert_allclose(times, 0.01 * np.array(kept), atol=1e-9)
