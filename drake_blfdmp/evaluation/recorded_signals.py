@@ -12,7 +12,6 @@ from drake_blfdmp.diagrams.hold_and_place import HoldAndPlace
 from drake_blfdmp.planning.plan import Plan
 from drake_blfdmp.recording.planned_signals import PlannedSignals
 from drake_blfdmp.recording.sample_block import Make
-from drake_blfdmp.robot.body_poses import BodyPoses
 from drake_blfdmp.robot.plant import JOINTS_PER_ARM
 from drake_blfdmp.robot.swivel import swivel_angle
 from drake_blfdmp.skeleton import LINKS, POINTS
@@ -40,6 +39,7 @@ class Signal(NamedTuple):
         slow: recorded at a lower rate, as it is only looked at.
         exact: in double precision, where seven digits are not enough.
         make: what makes the numbers (N, len(elements)) of the ports' (N, ...); None takes these as they are.
+        bodies: those whose poses in W `make` gets behind the ports' numbers, as in VectorTopic.
     """
 
     name: str
@@ -49,12 +49,14 @@ class Signal(NamedTuple):
     slow: bool = False
     exact: bool = False
     make: Make | None = None
+    bodies: Sequence[int] = ()
 
 
 def RunSignals(parts: HoldAndPlace, planned: PlannedSignals) -> list[Signal]:
     """Every topic of named numbers of a run."""
     plan, skill, plant = parts.plan, parts.skill, parts.plant
     phase = skill.canonical.GetOutputPort("phase")
+    swivels = SwivelMaker(plant, parts.arms)
     points = skill.transformation.GetOutputPort("position")
     signals = [
         Signal("phase", [phase], ["s"], "1", exact=True),
@@ -70,11 +72,12 @@ def RunSignals(parts: HoldAndPlace, planned: PlannedSignals) -> list[Signal]:
         Signal("hands", [parts.observer.GetOutputPort("effective_distance")], ["distance"], "m"),
         Signal(
             "swivel",
-            [plant.get_state_output_port(), parts.retargeting.GetOutputPort("swivel")],
+            [parts.retargeting.GetOutputPort("swivel")],
             [*ARMS, *(f"{arm}_person" for arm in ARMS)],
             "rad",
             slow=True,
-            make=SwivelMaker(plant, parts.arms),
+            make=swivels,
+            bodies=swivels.bodies,
         ),
         Signal(
             "planned_palms",
@@ -115,22 +118,30 @@ def ClockMaker(plan: Plan) -> Make:
     return lambda phase: time_at(phase, skill.tau, skill.gamma)
 
 
-def SwivelMaker(plant: MultibodyPlant, arms: Sequence[ModelInstanceIndex]) -> Make:
-    """Of the plant's state and two more numbers (N, ...): the arms' swivel angles (`robot.swivel`), rad, then these."""
-    context = plant.CreateDefaultContext()
-    # The first two axes meet there whatever the joints' angles.
-    shoulders = np.array([plant.GetFrameByName("shoulder", arm).CalcPoseInWorld(context).translation() for arm in arms])
-    frames = [plant.GetFrameByName(name, arm) for name in ("elbow", "wrist") for arm in arms]
-    bodies = BodyPoses(plant, [int(frame.body().index()) for frame in frames])
-    places = np.array([[*frame.GetFixedPoseInBodyFrame().translation(), 1.0] for frame in frames])
-    count = plant.num_positions()
+class SwivelMaker:
+    """Makes the arms' swivel angles (`robot.swivel`), and puts further numbers behind them.
 
-    def make(rows: np.ndarray) -> np.ndarray:
-        points = (bodies.evaluate(rows[:, :count]) @ places[:, :, None])[..., 0]
-        elbows, wrists = points[:, : len(arms)], points[:, len(arms) :]
-        return np.hstack([swivel_angle(shoulders, elbows, wrists), rows[:, plant.num_multibody_states() :]])
+    Attributes:
+        bodies: (2 A,) indices of those on which the elbows of A arms stand, then their wrists.
+    """
 
-    return make
+    def __init__(self, plant: MultibodyPlant, arms: Sequence[ModelInstanceIndex]):
+        """Of a plant's arms."""
+        context = plant.CreateDefaultContext()
+        # The first two axes meet there whatever the joints' angles.
+        self._shoulders = np.array(
+            [plant.GetFrameByName("shoulder", arm).CalcPoseInWorld(context).translation() for arm in arms]
+        )
+        frames = [plant.GetFrameByName(name, arm) for name in ("elbow", "wrist") for arm in arms]
+        self.bodies = [int(frame.body().index()) for frame in frames]
+        self._places = np.array([[*frame.GetFixedPoseInBodyFrame().translation(), 1.0] for frame in frames])
+
+    def __call__(self, rows: np.ndarray) -> np.ndarray:
+        """Angles (N, A), rad, and M numbers, of rows (N, M + 24 A): the numbers, then the poses [R p] of the bodies."""
+        arms, count = len(self._shoulders), len(self.bodies)
+        numbers, poses = np.split(rows, [rows.shape[1] - 12 * count], axis=1)
+        points = (poses.reshape(-1, count, 3, 4) @ self._places[:, :, None])[..., 0]
+        return np.hstack([swivel_angle(self._shoulders, points[:, :arms], points[:, arms:]), numbers])
 
 
 def PlannedBoxMaker(plan: Plan, planned: PlannedSignals) -> Make:

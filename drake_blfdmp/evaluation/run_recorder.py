@@ -24,7 +24,7 @@ from drake_blfdmp.robot.contact import palm_bodies
 from drake_blfdmp.robot.contact_wrenches import ContactPair
 from drake_blfdmp.robot.description import MakeSceneDescription
 from drake_blfdmp.ros2.messages import MARKERS
-from drake_blfdmp.ros2.skeleton_markers import SkeletonMarkers
+from drake_blfdmp.ros2.skeleton_markers import skeleton_numbers, skeleton_template
 from drake_blfdmp.systems.contact_wrenches import ContactWrenches
 from drake_blfdmp.systems.passed_times import PassedTimes
 from drake_blfdmp.systems.skill_clock import SkillClock
@@ -69,6 +69,7 @@ def AddRecorder(builder: DiagramBuilder, parts: HoldAndPlace, path: Path) -> Mca
                 single_precision=not one.exact,
                 size=sum(port.size() for port in one.ports),
                 make=one.make,
+                bodies=one.bodies,
             )
             for one in some
         ]
@@ -137,9 +138,9 @@ def _add_contact(builder: DiagramBuilder, parts: HoldAndPlace, recorder: McapRec
     frames = {f"{arm}_palm": frame for arm, frame in _palm_frames(parts).items()} | {"box": box.name()}
     wrenches = builder.AddNamedSystem("contact_wrenches", ContactWrenches(pairs=list(pairs.values())))
     builder.Connect(plant.get_contact_results_output_port(), wrenches.GetInputPort("contact_results"))
-    builder.Connect(plant.get_body_poses_output_port(), wrenches.GetInputPort("body_poses"))
     topics = {f"contact/{name}": frames[name] for name in pairs}
-    port = recorder.AddWrenchInputs("contact", topics, single_precision=True, every=_every(parts.plan))
+    bodies = [int(pair.body.index()) for pair in pairs.values()]
+    port = recorder.AddWrenchInputs("contact", topics, bodies=bodies, single_precision=True, every=_every(parts.plan))
     builder.Connect(wrenches.get_output_port(), port)
 
 
@@ -147,8 +148,9 @@ def _add_skeleton(builder: DiagramBuilder, parts: HoldAndPlace, recorder: McapRe
     skill = parts.skill
     shown = skill.transformation.GetOutputPort("position"), skill.coupler.GetOutputPort("margin")
     port = _together(builder, "points_and_margin", *shown)
-    encode = SkeletonMarkers(PERSON).encode
-    builder.Connect(port, recorder.AddMessageInput("skeleton", 23, MARKERS, encode, every=_every(parts.plan)))
+    template, every = skeleton_template(PERSON), _every(parts.plan)
+    wanted = recorder.AddTemplateInput("skeleton", port.size(), MARKERS, template, skeleton_numbers, every=every)
+    builder.Connect(port, wanted)
 
 
 def _add_events(builder: DiagramBuilder, parts: HoldAndPlace, recorder: McapRecorder) -> None:

@@ -4,20 +4,20 @@ import atexit
 import os
 import shlex
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 from mcap.data_stream import RecordBuilder
 from mcap.records import Attachment, AttachmentIndex, Channel, Header, McapRecord, Metadata, MetadataIndex, Schema
 
 import drake_blfdmp
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.recording.journal import Journal, journal_of
-from drake_blfdmp.recording.mcap_chunk import ChunkEntry, Entry, Places, joined, pack_chunk, pack_end
+from drake_blfdmp.recording.mcap_chunk import ChunkEntry, Entry, joined, pack_chunk, pack_end
 from drake_blfdmp.recording.message_block import MessageBlock
+from drake_blfdmp.recording.piece import Piece, places_of_pieces
 from drake_blfdmp.ros2 import mcap_records as mcap
 from drake_blfdmp.ros2.messages import DEFINITIONS
 
@@ -52,14 +52,14 @@ class _Written(NamedTuple):
         size, crc: of the file as far as it counts; what stands behind was interrupted and is written over.
         entries: how many of the noted ones count.
         chunks: how many there are.
-        pending: pieces of the chunk in progress: records, time, where the messages are in them.
+        pending: the chunk in progress.
     """
 
     size: int
     crc: int
     entries: int
     chunks: int
-    pending: list[tuple[bytes, int, MessageBlock | None]]
+    pending: list[Piece]
 
 
 class McapFile:
@@ -108,6 +108,7 @@ class McapFile:
         self._latest_ns = 0
         self._pending_bytes = 0
         self._written = _Written(0, 0, 0, 0, [])
+        self._kept = 0, 0  # Of the chunk after so many, so many pieces are in the journal.
         self._pid = os.getpid()
         self.closed = False
         self.before_close: Callable[[], None] = lambda: None
@@ -154,7 +155,7 @@ class McapFile:
             schema = _record(Schema(id=number, data=definition, encoding="ros2msg", name=message_type))
             self._schemas[number] = schema
             self._numbers[message_type] = number
-            self._pend(schema, 0, None)
+            self._pend(Piece(schema, 0, None))
         number = len(self._channels) + 1
         channel = _record(
             Channel(
@@ -166,46 +167,63 @@ class McapFile:
             )
         )
         self._channels[number] = channel
-        self._pend(channel, 0, None)
+        self._pend(Piece(channel, 0, None))
+        self._keep()
         return number
 
     def write(self, channel: int, t_ns: int, data: bytes) -> None:
         """Adds a message at simulated time `t_ns` (ns)."""
+        self.write_pieces([self.piece(channel, t_ns, data)])
+
+    def piece(self, channel: int, t_ns: int, data: bytes) -> Piece:
+        """A message for `write_pieces`."""
         block = self._single.get(channel)
         if block is None:
             block = self._single[channel] = MessageBlock([(channel, None)])
-        self.write_records(
-            block, t_ns, mcap.pack_record(mcap.MESSAGE, mcap.pack_message_head(channel, t_ns, t_ns), data)
-        )
+        return Piece(mcap.pack_record(mcap.MESSAGE, mcap.pack_message_head(channel, t_ns, t_ns), data), t_ns, block)
 
-    def write_records(self, block: MessageBlock, t_ns: int, records: bytes) -> None:
-        """Adds all messages of a block at simulated time `t_ns` (ns), as it encodes them."""
-        if self._chunk_end is not None and (t_ns >= self._chunk_end or self._pending_bytes >= CHUNK_BYTES):
+    def write_pieces(self, pieces: Iterable[Piece]) -> None:
+        """Adds messages, in the order of time; those taken from an iterator that fails are written all the same."""
+        try:
+            for piece in pieces:
+                t_ns, end = piece.t_ns, self._chunk_end
+                if end is not None and (t_ns >= end or self._pending_bytes >= CHUNK_BYTES):
+                    self._try_finish_chunk()
+                if self._chunk_end is None:
+                    self._chunk_end = t_ns + self._chunk_ns
+                self._latest_ns = max(self._latest_ns, t_ns)
+                self._pend(piece)
+        finally:
+            self._keep()
+
+    def _pend(self, piece: Piece) -> None:
+        """Adds records to the chunk in progress."""
+        self._written.pending.append(piece)
+        self._pending_bytes += len(piece.records)
+
+    def _keep(self) -> None:
+        """Writes to the journal what is pending and not there yet, all at once: each time costs microseconds."""
+        chunks, pending = self._written.chunks, self._written.pending
+        first = self._kept[1] if self._kept[0] == chunks else 0
+        self._kept = chunks, len(pending)
+        if first < len(pending):
             try:
-                self._finish_chunk()
+                self._journal.add(chunks, b"".join(piece.records for piece in pending[first:]))
             except OSError as error:
                 raise self._cannot_write(error) from None
-        if self._chunk_end is None:
-            self._chunk_end = t_ns + self._chunk_ns
-        self._latest_ns = max(self._latest_ns, t_ns)
-        self._pend(records, t_ns, block)
 
-    def _pend(self, records: bytes, t_ns: int, block: MessageBlock | None) -> None:
-        """Adds records to the chunk in progress, and to the journal."""
-        written = self._written
-        written.pending.append((records, t_ns, block))
-        self._pending_bytes += len(records)
+    def _try_finish_chunk(self) -> None:
         try:
-            self._journal.add(written.chunks, records)
+            self._finish_chunk()
         except OSError as error:
             raise self._cannot_write(error) from None
 
     def _finish_chunk(self) -> None:
         """Writes the chunk in progress, if it has any message."""
         pending = self._written.pending
-        places = joined(_places(pending))
+        places = joined(places_of_pieces(pending))
         if len(places.time):
-            self._append(*pack_chunk(b"".join(records for records, _, _ in pending), places, self._written.size))
+            self._append(*pack_chunk(b"".join(piece.records for piece in pending), places, self._written.size))
         self._pending_bytes, self._chunk_end = 0, None
 
     def _try_append(self, data: bytes, entry: Entry) -> None:
@@ -283,20 +301,6 @@ class McapFile:
             f"{self.path}: writing failed ({error.strerror}); free space there or record elsewhere; "
             f"what was written is kept, {recover_hint(self.path)}"
         )
-
-
-def _places(pending: Sequence[tuple[bytes, int, MessageBlock | None]]) -> Iterator[Places]:
-    """Where the messages of a chunk's pieces are, block by block: a chunk has many pieces of few kinds."""
-    kinds: dict[MessageBlock, list[tuple[int, int]]] = {}
-    at = 0
-    for records, t_ns, block in pending:
-        if block is not None:
-            kinds.setdefault(block, []).append((at, t_ns))
-        at += len(records)
-    for block, pieces in kinds.items():
-        begins, times = np.array(pieces, dtype=np.uint64).T[:, :, None]
-        shape = (len(pieces), len(block.channels))
-        yield Places(np.broadcast_to(block.channels, shape), np.broadcast_to(times, shape), begins + block.offsets)
 
 
 def _record(record: McapRecord) -> bytes:

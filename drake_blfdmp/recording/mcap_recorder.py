@@ -15,9 +15,10 @@ from pydrake.systems.framework import Context, DiagramBuilder, InputPort
 from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.plant_names import PlantNames, plant_names
 from drake_blfdmp.recording.pose_rows import pose_rows
+from drake_blfdmp.recording.sample_block import Make
 from drake_blfdmp.recording.sampler import Sampler
 from drake_blfdmp.recording.topic_recorder import TopicRecorder
-from drake_blfdmp.recording.topics import RecordedBodies, RecordedTopic, check_unique
+from drake_blfdmp.recording.topics import PoseSource, RecordedTopic, check_unique
 from drake_blfdmp.robot.body_poses import BodyPoses
 from drake_blfdmp.ros2 import messages as ros2_messages
 
@@ -39,6 +40,7 @@ class McapRecorder(TopicRecorder):
         - <name given to AddWrenchInput>
         - <name given to AddWrenchInputs>
         - <name given to AddMessageInput>
+        - <name given to AddTemplateInput>
         - <name given to AddEventInput>
 
     A joint group's state port takes [q, v] (2n; rad, rad/s), its effort port n values (N m). `body_poses` takes
@@ -126,7 +128,6 @@ class McapRecorder(TopicRecorder):
             self._states.append(self.DeclareVectorInputPort(f"{group}_state", 2 * len(names)))
             self._efforts.append(self.DeclareVectorInputPort(f"{group}_effort", len(names)))
             self._optional.add(f"{group}_effort")
-        self._poses: InputPort | None = None
         self._description = robot_description
         if robot_description:
             self._description_channel = self._file.add_channel(
@@ -199,25 +200,27 @@ class McapRecorder(TopicRecorder):
             channel = self._file.add_channel("/joint_states", ros2_messages.JOINT_STATE)
             template = ros2_messages.joint_state_template(self._joint_names, effort=len(parts) > 1)
             self._recorded.append(RecordedTopic(channel, parts, template, finite=True))
-        if not names.bodies:
-            return
         if not BodyPoses.known(plant):
             self._add_body_poses(names.bodies)
             return
-        poses, channel = BodyPoses(plant, list(names.bodies.values())), self._file.add_channel("/tf", ros2_messages.TF)
-        template = ros2_messages.tf_template(self._world_frame, list(names.bodies))
+        count = plant.num_positions()
 
-        def make(q: np.ndarray) -> np.ndarray:
-            return pose_rows(poses.evaluate(q)).reshape(len(q), -1)
+        def maker(bodies: Sequence[int]) -> Make:
+            poses = BodyPoses(plant, bodies)
+            return lambda state: poses.evaluate(state[:, :count]).reshape(len(state), -1)
 
-        part = state, np.arange(plant.num_positions())
-        self._recorded.append(RecordedTopic(channel, [part], template, make=make))
+        self._poses = PoseSource(state, maker)
+        self._add_bodies(names.bodies)
 
     def _add_body_poses(self, bodies: Mapping[str, int]) -> None:
-        self._poses = self.DeclareAbstractInputPort("body_poses", AbstractValue.Make([RigidTransform()]))
+        self._poses = PoseSource(self.DeclareAbstractInputPort("body_poses", AbstractValue.Make([RigidTransform()])))
+        self._add_bodies(bodies)
+
+    def _add_bodies(self, bodies: Mapping[str, int]) -> None:
         if bodies:
             channel = self._file.add_channel("/tf", ros2_messages.TF)
-            self._bodies = RecordedBodies(channel, self._poses, self._world_frame, bodies)
+            template = ros2_messages.tf_template(self._world_frame, list(bodies))
+            self._recorded.append(RecordedTopic(channel, [], template, make=_transforms, bodies=[*bodies.values()]))
 
     def _make_sampler(self, context: Context, t_ns: int) -> Sampler:
         """Writes what is written once, too."""
@@ -243,6 +246,11 @@ class McapRecorder(TopicRecorder):
         """Name -> X_WF of every frame that does not move."""
         frames: dict[str, RigidTransform] = {}
         if self._static_bodies and self._poses is not None:
-            poses: Any = self._poses.Eval(context)
+            poses: Any = self._poses.port.Eval(context)
             frames = {name: poses[index] for name, index in self._static_bodies.items()}
         return frames | self._static_frames
+
+
+def _transforms(poses: np.ndarray) -> np.ndarray:
+    """Numbers of `/tf` (N, 7 B) of poses [R p] (N, 12 B)."""
+    return pose_rows(poses.reshape(-1, 3, 4)).reshape(len(poses), -1)

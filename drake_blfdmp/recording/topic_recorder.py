@@ -11,16 +11,19 @@ import numpy as np
 from pydrake.systems.framework import Context, InputPort, LeafSystem
 
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
+from drake_blfdmp.recording.sample_block import Make
 from drake_blfdmp.recording.sampler import Sampler
 from drake_blfdmp.recording.topics import (
     Encode,
     EncodedTopic,
-    RecordedBodies,
+    PoseSource,
     RecordedTopic,
     VectorTopic,
     check_unique,
 )
+from drake_blfdmp.robot.contact_wrenches import wrench_in_body
 from drake_blfdmp.ros2 import messages as ros2_messages
+from drake_blfdmp.ros2.cdr import CdrTemplate
 
 _NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 _LOGGER = "drake_blfdmp"
@@ -39,6 +42,7 @@ class TopicRecorder(LeafSystem):
         - <name given to AddWrenchInput>
         - <name given to AddWrenchInputs>
         - <name given to AddMessageInput>
+        - <name given to AddTemplateInput>
         - <name given to AddEventInput>
 
     A sample is read when it is due and written with others: with the first sample that comes 0.4 s of wall time later,
@@ -70,7 +74,7 @@ class TopicRecorder(LeafSystem):
         self._joint_names: list[str] = []  # That no element of a vector may have.
         self._recorded: list[RecordedTopic] = []
         self._encoded: list[EncodedTopic] = []
-        self._bodies: RecordedBodies | None = None
+        self._poses: PoseSource | None = None
         self._optional: set[str] = set()  # Ports that need no source.
         self._sampler: Sampler | None = None
         self._last_ns: int | None = None
@@ -137,7 +141,9 @@ class TopicRecorder(LeafSystem):
             names = [f"{topic.name}.{one}" if one in self._joint_names else one for one in topic.elements]
             template = ros2_messages.joint_state_template(names, velocity=False, effort=False)
             places, at = np.arange(at, at + size), at + size
-            one = RecordedTopic(channel, [(port, places)], template, every, topic.single_precision, topic.make)
+            one = RecordedTopic(
+                channel, [(port, places)], template, every, topic.single_precision, topic.make, topic.bodies
+            )
             self._recorded.append(one)
         return port
 
@@ -158,13 +164,21 @@ class TopicRecorder(LeafSystem):
         return self.AddWrenchInputs(name, {name: frame}, single_precision=single_precision, every=every)
 
     def AddWrenchInputs(
-        self, name: str, frames: Mapping[str, str], *, single_precision: bool = False, every: int = 1
+        self,
+        name: str,
+        frames: Mapping[str, str],
+        *,
+        bodies: Sequence[int] | None = None,
+        single_precision: bool = False,
+        every: int = 1,
     ) -> InputPort:
         """Declares one input port (6 K) called `name` for K wrenches; returns the port. Otherwise as AddWrenchInput.
 
         Args:
             name: of the port.
             frames: topic, without its first `/` -> frame, in the order of the port's value.
+            bodies: indices of the bodies that the frames are, when the port has the wrenches expressed in W, applied
+                at W's origin: they are recorded in the bodies' frames then. Only a recorder that records bodies can.
             single_precision, every: as in AddVectorInput.
 
         Raises:
@@ -173,9 +187,11 @@ class TopicRecorder(LeafSystem):
         self._check_port(name, every)
         channels = [self._add_topic(topic, ros2_messages.WRENCH, {"unit": "N, N m"}) for topic in frames]
         port = self.DeclareVectorInputPort(name, 6 * len(frames))
-        for k, (channel, frame) in enumerate(zip(channels, frames.values(), strict=True)):
-            part, template = (port, 6 * k + _FORCE_FIRST), ros2_messages.wrench_template(frame)
-            self._recorded.append(RecordedTopic(channel, [part], template, every, single_precision))
+        turned = [()] * len(frames) if bodies is None else [(int(body),) for body in bodies]
+        for k, (channel, frame, body) in enumerate(zip(channels, frames.values(), turned, strict=True)):
+            template, make = ros2_messages.wrench_template(frame), _in_body if body else None
+            part = port, 6 * k + (np.arange(6) if body else _FORCE_FIRST)
+            self._recorded.append(RecordedTopic(channel, [part], template, every, single_precision, make, body))
         return port
 
     def AddMessageInput(
@@ -205,6 +221,34 @@ class TopicRecorder(LeafSystem):
         channel = self._add_topic(name, message_type, metadata or {})
         port = self.DeclareVectorInputPort(name, size)
         self._encoded.append(EncodedTopic(channel, port, encode, every))
+        return port
+
+    def AddTemplateInput(
+        self,
+        name: str,
+        size: int,
+        message_type: str,
+        template: CdrTemplate,
+        make: Make | None = None,
+        *,
+        metadata: Mapping[str, str] | None = None,
+        every: int = 1,
+    ) -> InputPort:
+        """As AddMessageInput, of messages that differ in times and numbers alone: many are encoded at once.
+
+        Args:
+            name, size, message_type, metadata, every: as in AddMessageInput.
+            template: of the messages.
+            make: makes N messages' numbers, the template's float64 and then its float32, of the port's values
+                (N, size); None takes these as they are.
+
+        Raises:
+            RecorderError: the name is taken or unusable, or `every` is not 1 or more.
+        """
+        self._check_port(name, every)
+        channel = self._add_topic(name, message_type, metadata or {})
+        port = self.DeclareVectorInputPort(name, size)
+        self._recorded.append(RecordedTopic(channel, [(port, np.arange(size))], template, every, make=make))
         return port
 
     def AddEventInput(self, name: str, names: Sequence[str]) -> InputPort:
@@ -304,7 +348,7 @@ class TopicRecorder(LeafSystem):
 
     def _make_sampler(self, context: Context, t_ns: int) -> Sampler:
         """At the first sample, at `t_ns` (ns): says what a sample is."""
-        return Sampler(self._recorded, self._bodies, self._encoded)
+        return Sampler(self._recorded, self._encoded, self._poses)
 
     def _publish(self, context: Context) -> None:
         """Takes one sample of everything."""
@@ -322,3 +366,9 @@ class TopicRecorder(LeafSystem):
             self._check_connected(context)
             self._sampler = self._make_sampler(context, t_ns)
         self._sampler.sample(context, t_ns, file)
+
+
+def _in_body(rows: np.ndarray) -> np.ndarray:
+    """Force, torque (N, 6) in a body's frame, of a wrench in W and the body's pose [R p] (N, 6 + 12)."""
+    wrenches, poses = np.split(rows, [6], axis=1)
+    return wrench_in_body(wrenches, poses.reshape(-1, 3, 4))[:, _FORCE_FIRST]

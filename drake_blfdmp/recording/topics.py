@@ -1,6 +1,6 @@
 """What a topic of a recording is: its name and unit, and which ports its messages come from."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +9,9 @@ from pydrake.systems.framework import InputPort
 from drake_blfdmp.recording.mcap_file import RecorderError
 from drake_blfdmp.recording.sample_block import Make
 from drake_blfdmp.ros2.cdr import CdrTemplate
+
+POSE_SIZE = 12
+"""Numbers in a pose [R p] (3, 4)."""
 
 Encode = Callable[[int, np.ndarray], bytes | None]
 """The message of a port's value at a time in ns; None where there is none to be written."""
@@ -37,6 +40,8 @@ class VectorTopic(NamedTuple):
         make: makes the elements' numbers (N, len(elements)) of N samples' numbers (N, size); None takes them as they
             are. What is looked at and not simulated with costs less so than as a system of its own: it is called for
             many samples at once.
+        bodies: indices of bodies whose poses in W `make` gets, too: behind the port's numbers the rows of [R p], 12
+            numbers a body. Only a recorder that records bodies knows them.
     """
 
     name: str
@@ -45,6 +50,7 @@ class VectorTopic(NamedTuple):
     single_precision: bool = False
     size: int | None = None
     make: Make | None = None
+    bodies: Sequence[int] = ()
 
 
 class RecordedTopic(NamedTuple):
@@ -57,6 +63,7 @@ class RecordedTopic(NamedTuple):
         every: of how many samples one is recorded.
         single_precision: whether its numbers are rounded.
         make: what makes the template's numbers (N, m) of the parts' (N, n); None takes these.
+        bodies: indices of those whose poses [R p] `make` gets behind the parts' numbers, POSE_SIZE each.
         finite: whether a sample is left out as a whole where one of the parts' numbers is not finite.
     """
 
@@ -66,6 +73,7 @@ class RecordedTopic(NamedTuple):
     every: int = 1
     single_precision: bool = False
     make: Make | None = None
+    bodies: Sequence[int] = ()
     finite: bool = False
 
 
@@ -84,16 +92,14 @@ class EncodedTopic(NamedTuple):
     every: int
 
 
-class RecordedBodies(NamedTuple):
-    """What goes into `/tf`.
+class PoseSource(NamedTuple):
+    """Where bodies' poses come from.
 
     Attributes:
-        channel, port: where to and where from.
-        frame: that the poses are in.
-        indices: name of a body -> its index in the port's value.
+        port: MultibodyPlant's `body_poses`, or a port of numbers from which `make` makes them.
+        make: of bodies, by their indices, what makes their poses [R p] (N, POSE_SIZE B) of the port's numbers; None
+            where the port is `body_poses`.
     """
 
-    channel: int
     port: InputPort
-    frame: str
-    indices: Mapping[str, int]
+    make: Callable[[Sequence[int]], Make] | None = None

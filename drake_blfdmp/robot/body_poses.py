@@ -7,6 +7,8 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, JointIndex
 
+from drake_blfdmp.vectors import cross
+
 WELD, REVOLUTE, PRISMATIC, FLOATING = "weld", "revolute", "prismatic", "quaternion_floating"
 """The joints (Drake's `type_name`) that are known here."""
 
@@ -152,13 +154,11 @@ def _X_MB(joint: Any) -> np.ndarray:
 
 def _floating(q: np.ndarray) -> np.ndarray:
     """X_FM (N, 4, 4) of quaternions, of any length, and positions (N, 7): w x y z, x y z."""
-    w, v = q[:, 0, None, None], q[:, 1:4]
-    outer, square = v[:, :, None] * v[:, None, :], np.einsum("ni,ni->n", q[:, :4], q[:, :4])[:, None, None]
-    cross = np.cross(np.eye(3), v[:, None])
+    w, v = q[:, :1, None], q[:, 1:4]
+    # The columns of the antisymmetric matrix [v] are v x e_i; R = 1 + 2 (w [v] + [v]^2) of a unit quaternion.
+    skew, square = cross(v[:, None], np.eye(3)).swapaxes(1, 2), (q[:, :4] ** 2).sum(axis=1)[:, None, None]
     poses = np.zeros((len(q), 4, 4))
-    poses[:, :3, :3] = (
-        np.eye(3) + 2.0 * (w * cross + outer - np.eye(3) * np.trace(outer, axis1=1, axis2=2)[:, None, None]) / square
-    )
+    poses[:, :3, :3] = np.eye(3) + 2.0 * (w * skew + skew @ skew) / square
     poses[:, :3, 3] = q[:, 4:]
     poses[:, 3, 3] = 1.0
     return poses

@@ -124,6 +124,7 @@ class CdrTemplate:
         self.float64_count = len(at)
         self._float32s = np.frombuffer(padded, dtype="<f4")
         self._at_32 = (np.array(writer.float32_offsets, dtype=int) + body) // 4
+        self.float32_count = len(self._at_32)
 
     def encode(self, t_ns: int, values: np.ndarray, singles: np.ndarray | None = None) -> bytes:
         """The message at one instant.
@@ -150,6 +151,11 @@ class CdrTemplate:
     def float64_offsets(self) -> np.ndarray:
         """(float64_count,) where in the message they stand, in bytes."""
         return 8 * np.arange(len(self._float64s))[self._at] - 4  # The padding before it.
+
+    @property
+    def float32_offsets(self) -> np.ndarray:
+        """(float32_count,) the same for the float32."""
+        return 4 * self._at_32 - 4
 
     @property
     def stamp_offsets(self) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydrake.multibody.tree import BodyIndex
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace
 from drake_blfdmp.evaluation.planned_signals import MakePlannedSignals
@@ -30,7 +31,7 @@ def test_every_signal_makes_as_many_numbers_as_it_names(run):
     signals = RunSignals(parts, planned)
     assert len({signal.name for signal in signals}) == len(signals) >= 14
     for signal in signals:
-        size = sum(port.size() for port in signal.ports)
+        size = sum(port.size() for port in signal.ports) + 12 * len(signal.bodies)
         made = np.ones((3, size)) if signal.make is None else signal.make(np.full((3, size), 0.5))
         assert made.shape == (3, len(signal.elements)), signal.name
 
@@ -54,13 +55,16 @@ def test_the_clock_is_the_time_of_the_phase(default_plan):
 
 def test_swivels_are_those_of_the_kinematics(run):
     _, parts, _ = run
+    plant, context = parts.plant, parts.plant.CreateDefaultContext()
     q = np.random.default_rng(2).uniform(-0.5, 0.5, (3, 14)) + [0.2, -0.5, 0.3, -1.9, 0.4, 1.8, 0.1] * 2
-    states = np.zeros((3, parts.plant.num_multibody_states()))
-    for arm, instance in enumerate(parts.arms):
-        first = parts.plant.GetJointByName("panda_joint1", instance).position_start()
-        states[:, first : first + 7] = q[:, 7 * arm : 7 * arm + 7]
-    states[:, parts.box.floating_positions_start()] = 1.0
-    found = SwivelMaker(parts.plant, parts.arms)(np.hstack([states, [[0.1, 0.2]] * 3]))
+    make = SwivelMaker(plant, parts.arms)
+    rows = []
+    for one in q:
+        for arm, part in zip(parts.arms, np.split(one, 2), strict=True):
+            plant.SetPositions(context, arm, part)
+        poses = [plant.EvalBodyPoseInWorld(context, plant.get_body(BodyIndex(body))) for body in make.bodies]
+        rows.append(np.concatenate([[0.1, 0.2], *(X_WB.GetAsMatrix34().ravel() for X_WB in poses)]))
+    found = make(np.array(rows))
     kinematics = DualArmKinematics()
     np.testing.assert_allclose(found[:, :2], [[arm.swivel for arm in kinematics.evaluate(one)] for one in q], atol=1e-9)
     np.testing.assert_array_equal(found[:, 2:], [[0.1, 0.2]] * 3)

@@ -14,6 +14,7 @@ from mcap.reader import make_reader
 from drake_blfdmp.recording.journal import journal_of
 from drake_blfdmp.recording.mcap_file import McapFile, RecorderError
 from drake_blfdmp.recording.message_block import MessageBlock
+from drake_blfdmp.recording.piece import Piece
 from drake_blfdmp.recording.recover import recover
 from drake_blfdmp.recording.stream import McapStream
 from drake_blfdmp.ros2.messages import joint_state_template
@@ -28,11 +29,11 @@ def begin(path, **options):
     file.add_metadata("run", {"seed": 7})
     channels = [file.add_channel(f"/{name}", "sensor_msgs/msg/JointState", {"unit": "m"}) for name in ("one", "two")]
     template = joint_state_template(NAMES, velocity=False, effort=False)
-    block = MessageBlock([(channel, template) for channel in channels], np.array([5, 4, 3, 2, 1, 0]))
+    block = MessageBlock([(channel, template) for channel in channels])
 
     def write(k):
-        [records] = block.encode(np.array([k * STEP_NS]), k + np.arange(6.0)[None])
-        file.write_records(block, k * STEP_NS, records)
+        [records] = block.encode(np.array([k * STEP_NS]), k + np.arange(5.0, -1.0, -1.0)[None])
+        file.write_pieces([Piece(records, k * STEP_NS, block)])
 
     return file, write
 

@@ -14,7 +14,7 @@ from drake_blfdmp.recording.mcap_recorder import McapRecorder
 from drake_blfdmp.recording.read import read_mcap
 from drake_blfdmp.recording.topic_recorder import TopicRecorder
 from drake_blfdmp.recording.topics import VectorTopic
-from drake_blfdmp.ros2.messages import STRING, string_message
+from drake_blfdmp.ros2.messages import MARKERS, STRING, Lines, markers_template, string_message
 
 TIMES = np.arange(0, 1_000_000_001, 10_000_000)  # ns
 
@@ -22,6 +22,11 @@ TIMES = np.arange(0, 1_000_000_001, 10_000_000)  # ns
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "run.mcap"
+
+
+def ends(rows):
+    """A line's two ends, then their colours."""
+    return np.hstack([rows, 2.0 * rows, rows[:, 1:2] * np.arange(8.0)])
 
 
 def test_inputs_that_are_rounded_slow_or_messages_of_ones_own(path):
@@ -38,11 +43,12 @@ def test_inputs_that_are_rounded_slow_or_messages_of_ones_own(path):
     )
     poses = builder.AddSystem(run.Signals(np.inf))
     builder.Connect(poses.GetOutputPort("body_poses"), recorder.GetInputPort("body_poses"))
-    names = ["a", "b", "c"]
+    names, line = ["a", "b", "c"], markers_template("arm", [], [Lines("a", 0, 0.1, 1)])
     ports = [
         recorder.AddVectorInput("exact", 3, names, "m"),
         recorder.AddVectorInput("rounded", 3, names, "m", single_precision=True, every=4),
         recorder.AddMessageInput("text", 3, STRING, lambda t_ns, x: string_message(f"{t_ns} {x[1]:.3f}"), every=2),
+        recorder.AddTemplateInput("lines", 3, MARKERS, line, ends, every=5),
     ]
     for port in ports:
         builder.Connect(source.get_output_port(), port)
@@ -55,6 +61,12 @@ def test_inputs_that_are_rounded_slow_or_messages_of_ones_own(path):
     assert [time for time, _ in messages["/rounded"]] == list(TIMES[:11:4])
     assert all(np.array_equal(m.position, np.float32(value)) for _, m in messages["/rounded"])
     assert [message.data for _, message in messages["/text"]] == [f"{time} 3.142" for time in TIMES[:11:2]]
+    assert [time for time, _ in messages["/lines"]] == list(TIMES[:11:5])
+    for _, message in messages["/lines"]:
+        [marker] = message.markers
+        np.testing.assert_array_equal([[p.x, p.y, p.z] for p in marker.points], [value, 2.0 * value])
+        colours = [[c.r, c.g, c.b, c.a] for c in marker.colors]
+        np.testing.assert_array_equal(colours, np.float32(value[1] * np.arange(8.0)).reshape(2, 4))
     force = messages["/push"][0][1].wrench.force
     np.testing.assert_array_equal([force.x, force.y, force.z], np.float32([4 / 3, 5 / 3, 2.0]))
     [person] = messages["/tf_static"][0][1].transforms
@@ -151,3 +163,13 @@ def test_a_number_without_a_source_is_named(path):
         Simulator(recorder).AdvanceTo(0.1)
     with pytest.raises(RecorderError, match="'late' comes after the first sample"):
         recorder.AddEventInput("late", ["off"])
+
+
+def test_poses_that_nothing_tells(path):
+    recorder = TopicRecorder(filename=path)
+    builder = DiagramBuilder()
+    builder.AddSystem(recorder)
+    source = builder.AddSystem(ConstantVectorSource(np.zeros(6)))
+    builder.Connect(source.get_output_port(), recorder.AddWrenchInputs("contact", {"contact": "palm"}, bodies=[1]))
+    with recorder, pytest.raises(RecorderError, match="poses of bodies are wanted, which only a recorder of a plant"):
+        Simulator(builder.Build()).Initialize()

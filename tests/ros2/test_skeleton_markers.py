@@ -6,16 +6,17 @@ from rosbags.typesys import Stores, get_typestore
 
 from drake_blfdmp.link_state import COLOURS, INSIDE, NEAR, OUTSIDE, rgb
 from drake_blfdmp.ros2.messages import MARKERS
-from drake_blfdmp.ros2.skeleton_markers import SkeletonMarkers
+from drake_blfdmp.ros2.skeleton_markers import skeleton_numbers, skeleton_template
 from drake_blfdmp.skeleton import HANDS, LINKS, POINTS
 
 HUMBLE = get_typestore(Stores.ROS2_HUMBLE)
 SPHERE, LINE_LIST = 2, 5
 
 
-def decode(encoder, t_ns, points, margins):
-    message = HUMBLE.deserialize_cdr(encoder.encode(t_ns, np.concatenate([points.ravel(), margins])), MARKERS)
-    return message.markers
+def decode(t_ns, points, margins):
+    template, numbers = skeleton_template("person"), skeleton_numbers(np.concatenate([points.ravel(), margins])[None])
+    message = template.encode(t_ns, *np.split(numbers[0], [template.float64_count]))
+    return HUMBLE.deserialize_cdr(message, MARKERS).markers
 
 
 def ends(marker):
@@ -32,7 +33,7 @@ def points():
 
 
 def test_six_spheres_and_two_lists_of_lines_at_the_points(points):
-    markers = decode(SkeletonMarkers("person"), 1_250_000_000, points, np.full(5, 0.5))
+    markers = decode(1_250_000_000, points, np.full(5, 0.5))
     assert [marker.type for marker in markers] == [SPHERE] * 6 + [LINE_LIST] * 2
     assert [marker.ns for marker in markers] == [*POINTS, "bones", "hands"]
     for marker in markers:
@@ -50,10 +51,13 @@ def test_six_spheres_and_two_lists_of_lines_at_the_points(points):
 
 
 def test_every_link_has_the_colour_of_its_margin(points):
-    encoder = SkeletonMarkers("person")
-    encoder.encode(0, np.full(23, 1.0))  # Nothing of it may stay.
-    *_, bones, hands = decode(encoder, 0, points, np.array([0.5, 0.1, -0.1, np.nan, 0.2]))
+    *_, bones, hands = decode(0, points, np.array([0.5, 0.1, -0.1, np.nan, 0.2]))
     expected = [INSIDE, NEAR, OUTSIDE, INSIDE]
     for drawn, state in zip(colours(bones), expected, strict=True):
         np.testing.assert_allclose(drawn, [(*rgb(COLOURS[state]), 1.0)] * 2, atol=1e-6)
     np.testing.assert_allclose(colours(hands)[0], [(*rgb(COLOURS[OUTSIDE]), 1.0)] * 2, atol=1e-6)
+
+
+def test_many_instants_are_those_of_each():
+    rows = np.random.default_rng(4).uniform(-1.0, 1.0, (7, 23))
+    np.testing.assert_array_equal(skeleton_numbers(rows), np.vstack([skeleton_numbers(row[None]) for row in rows]))

@@ -18,7 +18,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_blfdmp.robot.contact import ContactPlantConfig
-from drake_blfdmp.robot.contact_wrenches import ContactPair, PointForce, wrench_on
+from drake_blfdmp.robot.contact_wrenches import ContactForce, ContactPair, wrench_in_body, wrench_on
 from drake_blfdmp.systems.contact_wrenches import ContactWrenches
 
 MASS, GRAVITY, SIZE = 1.7, 9.81, (0.3, 0.2, 0.1)
@@ -79,7 +79,6 @@ class Resting:
         self.names = list(pairs)
         self.system = builder.AddSystem(ContactWrenches(pairs=list(pairs.values())))
         builder.Connect(plant.get_contact_results_output_port(), self.system.GetInputPort("contact_results"))
-        builder.Connect(plant.get_body_poses_output_port(), self.system.GetInputPort("body_poses"))
         simulator = Simulator(builder.Build())
         self.context = simulator.get_mutable_context()
         X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, YAW), [0.0, 0.0, above + SIZE[2] / 2 - CENTER[2]])
@@ -90,8 +89,10 @@ class Resting:
         self.X_WS = [plant.EvalBodyPoseInWorld(plant_context, slab) for slab in self.slabs]
 
     def __getitem__(self, name):
+        """The wrench of a pair, in the frame of its body."""
         wrenches = self.system.get_output_port().Eval(self.system.GetMyContextFromRoot(self.context))
-        return wrenches.reshape(-1, 6)[self.names.index(name)]
+        X_WB = {"left": self.X_WS[0], "right": self.X_WS[1]}.get(name, self.X_WB)
+        return wrench_in_body(wrenches.reshape(-1, 6)[self.names.index(name)], X_WB.GetAsMatrix34())
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["hydroelastic", "point"])
@@ -123,17 +124,29 @@ def test_what_acts_on_the_block_acts_back_on_the_slab(resting):
 
 
 def test_the_other_bodies_contacts_do_not_count():
-    push = SpatialForce(tau=np.zeros(3), f=np.array([0.0, 0.0, 5.0]))
-    contact = PointForce(1, 2, push, np.array([1.0, 0.0, 0.0]))
-    np.testing.assert_array_equal(wrench_on([contact], 1, {3}, RigidTransform()), 0.0)
-    np.testing.assert_array_equal(wrench_on([contact], 3, {1, 2}, RigidTransform()), 0.0)
-    np.testing.assert_allclose(wrench_on([contact], 1, {2}, RigidTransform()), [0, -5, 0, 0, 0, 5])
-    np.testing.assert_allclose(wrench_on([contact], 2, {1}, RigidTransform([1.0, 0, 0])), [0, 0, 0, 0, 0, -5])
+    contact = ContactForce(1, 2, np.array([0.1, 0.2, 0.3, 0.0, 0.0, 5.0]))
+    np.testing.assert_array_equal(wrench_on([contact], 1, {3}), 0.0)
+    np.testing.assert_array_equal(wrench_on([contact], 3, {1, 2}), 0.0)
+    np.testing.assert_array_equal(wrench_on([contact], 1, {2}), [0.1, 0.2, 0.3, 0, 0, 5])
+    np.testing.assert_array_equal(wrench_on([contact], 2, {1}), [-0.1, -0.2, -0.3, 0, 0, -5])
+    np.testing.assert_array_equal(wrench_on([contact, contact], 1, {2}), [0.2, 0.4, 0.6, 0, 0, 10])
+
+
+def test_a_wrench_in_a_bodys_frame_is_that_of_drake():
+    rng = np.random.default_rng(5)
+    wrenches = rng.normal(size=(2, 3, 6))
+    poses = [RigidTransform(RollPitchYaw(*rng.normal(size=3)), rng.normal(size=3)) for _ in range(3)]
+    found = wrench_in_body(wrenches, np.array([X_WB.GetAsMatrix34() for X_WB in poses]))
+    for n in range(2):
+        for k, X_WB in enumerate(poses):
+            force = SpatialForce(tau=wrenches[n, k, :3], f=wrenches[n, k, 3:]).Shift(X_WB.translation())
+            turned = force.get_coeffs().reshape(2, 3) @ X_WB.rotation().matrix()  # R_BW times columns, as rows.
+            np.testing.assert_allclose(found[n, k], turned.ravel(), atol=1e-14)
 
 
 def test_ports_without_state_and_zero_in_the_air():
     falling = Resting(True, above=1.0, duration=0.02)
-    assert falling.system.num_input_ports() == 2 and falling.system.num_output_ports() == 1
+    assert falling.system.num_input_ports() == 1 and falling.system.num_output_ports() == 1
     assert falling.system.CreateDefaultContext().num_total_states() == 0
     for name in ("block", "left"):
         np.testing.assert_array_equal(falling[name], 0.0)

@@ -18,6 +18,7 @@ from drake_blfdmp.recording.topic_recorder import TopicRecorder
 from drake_blfdmp.recording.topics import VectorTopic
 from drake_blfdmp.robot.contact import palm_bodies
 from drake_blfdmp.robot.contact_wrenches import ContactPair
+from drake_blfdmp.ros2.cdr import CdrTemplate, CdrWriter
 from drake_blfdmp.ros2.messages import STRING
 from drake_blfdmp.skill.laws import LAWS
 from drake_blfdmp.skill.laws.primitive import Primitive
@@ -123,6 +124,7 @@ def _add_inputs(recorder):
     recorder.AddWrenchInput("wrench", "world")
     recorder.AddWrenchInputs("wrenches", {"two": "world"})
     recorder.AddMessageInput("message", 1, STRING, lambda t_ns, value: b"")
+    recorder.AddTemplateInput("template", 1, STRING, CdrTemplate(CdrWriter()))
     recorder.AddEventInput("event", ["", "on"])
 
 
@@ -141,6 +143,7 @@ def test_the_block_lists_the_real_ports_in_their_order(name, systems):
         "<name given to AddWrenchInput>": "wrench",
         "<name given to AddWrenchInputs>": "wrenches",
         "<name given to AddMessageInput>": "message",
+        "<name given to AddTemplateInput>": "template",
         "<name given to AddEventInput>": "event",
     }
     inputs = [aliases.get(port, port) for port, _ in inputs]
