@@ -7,7 +7,7 @@ motion, whichever the arms reach better. Only where palms would touch it is wide
 import numpy as np
 
 from drake_blfdmp.demonstration.timing import TaskMotion
-from drake_blfdmp.planning.planned import AdaptationNotes, FindReach, IndexAt, Plan, Progress
+from drake_blfdmp.planning.planned import AdaptationNotes, FindReach, IndexAt, Plan, Progress, YawNotes
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.planning.task import APART_BLEND, DesiredApart, MakeMotion, MakeTask, RollOutTask
@@ -84,6 +84,7 @@ def MakeFreePlan(scenario: Scenario, source: Source, progress: Progress = lambda
             *(() if source.together is None else source.together.notes),
             *HandNotes(motion, least, reach.retarget.hands_scale),
             *AdaptationNotes(reach.retarget, stretch),
+            *YawNotes(coupled.t, coupled.x, reach.retarget, stretch),
         ),
     )
 

@@ -18,6 +18,7 @@ from drake_blfdmp.planning.planned import (
     Plan,
     Progress,
     TurnNotes,
+    YawNotes,
 )
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
@@ -248,6 +249,7 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]
     task, coupled = MakeSteadiedTask(scenario, source, motion, stretch, in_palms.has_room)
+    notes += YawNotes(coupled.t, coupled.x, reach.retarget, stretch)
     poses, tables = in_palms.standing(task, coupled)
     for pose, what in zip(poses, ("grasp", "release"), strict=True):
         if pose[6] < 0.5 * box.height + 0.05:

@@ -16,7 +16,11 @@ from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.reach import Reach, find_reach
 from drake_blfdmp.robot.retargeting import Retarget, box_pose, common_roll, up_axis
+from drake_blfdmp.robot.yaw_rate import RATE, TURN, yaw_rates
 from drake_blfdmp.skill.rollout import Rollout
+
+GENTLE_ENOUGH = 1.05
+"""How many times faster than `robot.yaw_rate` has it the yaw may be before a plan says so."""
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and the share of it done, 0 to 1."""
@@ -174,6 +178,26 @@ def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
     if stretch > 1.005:
         notes.append(f"slowed down {stretch:.2f} times, to stay within the joints' speed and acceleration")
     return notes
+
+
+def YawNotes(t, x, retarget: Retarget, stretch: float) -> list[str]:
+    """That the palms' line turns faster than is gentle (`robot.yaw_rate`), in a sentence.
+
+    It does where the arms cannot do with less of the hands' yaw, or where more is asked for.
+
+    Args:
+        t, x: (N,), s, and (N, 6, 3), m: the motion at its planned speed.
+        retarget: it is mapped by.
+        stretch: of the plan, by which the recording is slowed down already.
+    """
+    rate, turn = yaw_rates(t, x, retarget)
+    over = max(rate / RATE, np.sqrt(turn / TURN))
+    if over <= GENTLE_ENOUGH:
+        return []
+    return [
+        f"the line between the palms turns by up to {rate:.1f} rad/s, which throws about what they hold; "
+        f"task.duration_scale={stretch * over:.2g} makes it gentle"
+    ]
 
 
 def TurnNotes(motion: TaskMotion, coupled: Rollout, retarget: Retarget) -> list[str]:
