@@ -195,6 +195,23 @@ def test_the_recorded_signals_agree_with_the_summary(default_run, summary):
     assert points.names[0] == f"{POINTS[0]}_x"
 
 
+def test_what_palms_and_motors_bear_is_as_predicted(default_run, tmp_path):
+    """By the script that compares them; a folder without a run is refused in a line."""
+    script, figure = str(ROOT / "studies" / "predicted_hold.py"), tmp_path / "held.png"
+
+    def compared(*arguments):
+        command = [sys.executable, script, *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+    done = compared(default_run.folder, "--figure", figure)
+    assert done.returncode == 0 and "25 of 25 postures" in done.stdout and figure.stat().st_size > 10_000
+    off = {line.split()[0]: float(line.split()[1]) for line in done.stdout.splitlines() if " off in the median" in line}
+    for name, most in (("force", 3.0), ("centre_x", 6.0), ("centre_y", 8.0), ("effort", 6.0)):
+        assert off[name] < most, done.stdout
+    missing = compared(tmp_path)
+    assert missing.returncode == 2 and missing.stderr.count("\n") == 1 and "run.mcap" in missing.stderr
+
+
 def test_the_shorter_run_is_the_same_twice_to_the_byte(tmp_path):
     """In processes of their own, at the same time: only the clocks differ."""
     short = [

@@ -5,7 +5,7 @@
 - `task`: the motion on the task's clock, the skill, the bands.
 - `supports`: the tables, and the shift that makes room for them.
 - `span`: how far apart the palms can be at all.
-- `squeeze`: the depth for a force.
+- `squeeze`: the depth for a force; `held_squeeze`: that of a box for which rules of thumb have too little.
 - `planned`: what a plan is.
 - `plan`: all of it in order, `MakePlan`; `free_plan`: the same for a motion without a box.
 - `goal_range`: how far, and when, a plan's goal may be moved while it is carried out.

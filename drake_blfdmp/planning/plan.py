@@ -9,6 +9,7 @@ from drake_blfdmp.planning.box_path import UpOverDown
 from drake_blfdmp.planning.carried_box import CarriedBox
 from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift, carried, hands_middle, rise
 from drake_blfdmp.planning.free_plan import MakeFreePlan
+from drake_blfdmp.planning.held_squeeze import HeldSqueeze, Way
 from drake_blfdmp.planning.moved_carry import CarryEnds, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
 from drake_blfdmp.planning.open_palms import ROOM, CheckOpenPalms
 from drake_blfdmp.planning.planned import (
@@ -244,7 +245,10 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     in_palms = carried_box(reach.retarget)
     acceleration = in_palms.largest_acceleration(task, coupled) / stretch**2
     strengths = [Strengths(plant, postures, box.mass, share) for share in (EVEN, UNEVEN)]
-    squeeze = ChooseSqueeze(scenario.task, box, compliances, *strengths, acceleration)
+    planned_depth = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
+    way = Way(plant, postures, planned_depth, scenario.task.grasp_above, acceleration)
+    held_squeeze = HeldSqueeze(way, box, scenario.task.force_limit)
+    squeeze = ChooseSqueeze(scenario.task, box, compliances, *strengths, acceleration, held_squeeze)
     scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))
     notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]

@@ -6,11 +6,13 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning.held_squeeze import HeldSqueeze
 from drake_blfdmp.planning.scenario_sections import TaskConfig
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.contact import palm_stiffness
 from drake_blfdmp.robot.grasp_force import (
     GRAVITY,
+    PADS_FACTOR,
     PALM_FRICTION,
     combined_friction,
     largest_squeeze,
@@ -33,6 +35,8 @@ EVEN, UNEVEN = 0.5, 1.0
 OVERSHOOT = 1.2
 """A palm may press by this factor more than its static force: trials measured 1.13 to 1.16 (`palm_stiffness`)."""
 
+
+REMEDY = "use a lighter or rougher box, or a slower carry (task.duration_scale), or raise task.force_limit"
 
 LARGEST_FORCE = TaskConfig().force_limit / OVERSHOOT
 """Largest static force, N, that is planned of a palm with the default limit and arms strong enough."""
@@ -106,7 +110,13 @@ def RefuseForce(task: TaskConfig, box: BoxParameters) -> None:
             "N; lower the one or raise the other",
             reason="force",
         )
-    _refuse_weak(box, 0.0, task.force_limit / OVERSHOOT, "task.force_limit")
+    least = NeededForce(box, 0.0, PADS_FACTOR)
+    if least > task.force_limit:
+        raise TaskError(
+            f"force: a box of {box.mass:g} kg with friction {box.friction:g} needs {least:.0f} N of each palm at rest, "
+            f"more than task.force_limit, {task.force_limit:g} N; {REMEDY}",
+            reason="force",
+        )
 
 
 def ChooseSqueeze(
@@ -116,6 +126,7 @@ def ChooseSqueeze(
     strengths: np.ndarray,
     uneven: np.ndarray,
     acceleration: float,
+    held: HeldSqueeze | None = None,
 ) -> Squeeze:
     """The squeeze of a carry: what is asked for, else `USUAL_FORCE` or what the box needs; within the limits.
 
@@ -130,6 +141,7 @@ def ChooseSqueeze(
         strengths: (N,) of the arms in them, N.
         uneven: (N,) the same where one palm bears all of the box (`UNEVEN`), N.
         acceleration: largest of the carried box, m/s^2.
+        held: tells what becomes of a box that needs more than is allowed so; such a box is refused when None.
 
     Raises:
         TaskError: of reason force: no allowed squeeze holds the box, or more is asked for than is allowed.
@@ -138,7 +150,15 @@ def ChooseSqueeze(
     deepest = _deepest(task, compliances, strengths)
     allowed = deepest * mean
     by = "task.force_limit" if strengths.min() >= task.force_limit else "the arms' strength"
-    _refuse_weak(box, acceleration, allowed, by)
+    needed = NeededForce(box, acceleration, ARMS_NEED)
+    if needed > allowed:
+        if held is None:
+            raise TaskError(
+                f"force: a box of {box.mass:g} kg with friction {box.friction:g} needs {needed:.0f} N of each palm, "
+                f"and {by} allows {allowed:.0f} N on average; {REMEDY}",
+                reason="force",
+            )
+        return _held_squeeze(task, box, mean, held)
     if task.squeeze is not None and task.squeeze > deepest:
         raise TaskError(
             f"force: task.squeeze is {task.squeeze:g} m, but beyond {deepest:.4f} m ({allowed:.0f} N on average) a "
@@ -151,7 +171,7 @@ def ChooseSqueeze(
             f"could press harder than {by} allows in some posture; squeeze less",
             reason="force",
         )
-    needed, room = NeededForce(box, acceleration, ARMS_NEED), mean * _deepest(task, compliances, uneven)
+    room = mean * _deepest(task, compliances, uneven)
     wanted = min(max(USUAL_FORCE, needed, min(WantedForce(box, acceleration), room)), allowed)
     force = wanted if task.squeeze_force is None else task.squeeze_force
     depth = force / mean if task.squeeze is None else task.squeeze
@@ -169,12 +189,20 @@ def _deepest(task: TaskConfig, compliances: np.ndarray, strengths: np.ndarray) -
     return float(0.5 * np.min(np.minimum(task.force_limit, strengths) / OVERSHOOT * compliances))
 
 
-def _refuse_weak(box: BoxParameters, acceleration: float, allowed: float, by: str) -> None:
-    needed = NeededForce(box, acceleration, ARMS_NEED)
-    if needed > allowed:
-        raise TaskError(
-            f"force: a box of {box.mass:g} kg with friction {box.friction:g} needs {needed:.0f} N of each palm, and "
-            f"{by} allows {allowed:.0f} N on average; use a lighter or rougher box, or a slower carry "
-            "(task.duration_scale), or raise task.force_limit",
-            reason="force",
-        )
+def _held_squeeze(task: TaskConfig, box: BoxParameters, mean: float, held: HeldSqueeze) -> Squeeze:
+    """Of a box for which rules of thumb have too little force: what is asked for, or found, if it is predicted to hold.
+
+    Raises:
+        TaskError: nothing does.
+    """
+    asked = task.squeeze if task.squeeze_force is None else task.squeeze_force / mean
+    what = f"a box of {box.mass:g} kg with friction {box.friction:g}"
+    if asked is None:
+        depth, told = held.find(mean, UNSURE)
+    else:
+        problem = held.problem(asked)
+        depth, told = (asked, "") if problem is None else (None, f"with {asked * mean:.0f} N {problem.what}")
+    if depth is None:
+        raise TaskError(f"force: {what} cannot be held: {told}; {REMEDY}", reason="force")
+    note = f"squeezed with {depth * mean:.0f} N, with which palms and motors are predicted to hold {what}"
+    return Squeeze(depth, depth * mean, (f"{note}; {told}" if told else note,))

@@ -2,8 +2,8 @@
 
 models: where the model files are. plant: both arms, their joint PD and limits. box: the box and its tables.
 contact: the contact model, palm forces, how deep to squeeze. contact_wrenches: contact as a wrench at an origin.
-grasp_force: the least squeeze that holds, the largest that the joints allow. clearance: the least distance between what
-must not touch.
+grasp_force: the least squeeze that holds, the largest that the joints allow. held_box: what palms and motors bear of a
+box along a way, without simulation. clearance: the least distance between what must not touch.
 kinematics, swivel: palm poses, Jacobians, the swivel angle. retargeting, reach: from the person to palms, and where and
 how large the motion fits the arms. redundancy: what fills the null space. differential_ik, tracking, posture: from
 palms to joints; braking, nearest_velocity, pair_clearance, tempo: within the joints' limits, apart, and in

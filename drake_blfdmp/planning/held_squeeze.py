@@ -1,0 +1,133 @@
+"""The squeeze of a box that rules of thumb would refuse, by what palms and motors really bear along the way."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_blfdmp.robot.box import BoxParameters
+from drake_blfdmp.robot.grasp_force import PALM_FRICTION, combined_friction, gravity_torque, least_squeeze
+from drake_blfdmp.robot.held_box import CarryQuasiStatically, HeldBox
+from drake_blfdmp.robot.plant import ARMS, ArmActuators
+
+POSTURES = 25
+"""So many of the held postures are looked at, evenly along the way."""
+
+CANDIDATES = 10
+"""So many forces are, evenly in their logarithm, from the friction cone's estimate to the limit."""
+
+EFFORT = 0.9
+"""Share of its limit that a motor may need; what comes on top is the motion's."""
+
+PRESSES_MORE = 1.1
+"""A palm that moves may press by this factor more than in equilibrium."""
+
+TURNS = np.deg2rad(2.0)
+"""How far the box may tilt in the palms."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a box is carried.
+
+    Attributes:
+        plant: both arms.
+        postures: (N, 14) commanded while it is held, rad.
+        depth: by which the palms were to be deep in the box when these were found, m; what they are deeper or less deep
+            stays with other depths.
+        below: how far the box's centre is below the palms' middle, m.
+        acceleration: its largest, m/s^2; taken as upward all along.
+    """
+
+    plant: MultibodyPlant
+    postures: np.ndarray
+    depth: float
+    below: float
+    acceleration: float
+
+
+class Problem(NamedTuple):
+    """What keeps a squeeze from holding a box, in a few words, and whether a harder squeeze may help."""
+
+    what: str
+    more_helps: bool
+
+
+class HeldSqueeze:
+    """What becomes of a box on its way when it is squeezed."""
+
+    def __init__(self, way: Way, box: BoxParameters, force_limit: float):
+        """With a largest force of a palm, N."""
+        few = np.unique(np.linspace(0, len(way.postures) - 1, POSTURES).round().astype(int))
+        self._way, self._box, self._limit = way, box, force_limit
+        self._postures = way.postures[few]
+        self._efforts, self._bears, apart = Motors(way.plant, self._postures)
+        self._deeper = 0.5 * (box.width - apart) - way.depth
+
+    def problem(self, depth: float, *, worse: float = 0.0) -> Problem | None:
+        """What keeps a squeeze with palms so deep, m, from holding the box; None where nothing does.
+
+        Args:
+            worse: share by which the box is heavier and smoother than believed.
+        """
+        box = replace(self._box, mass=(1.0 + worse) * self._box.mass, friction=(1.0 - worse) * self._box.friction)
+        friction = float(combined_friction(box.friction, PALM_FRICTION))
+        held = HeldBox(box.width, box.mass, friction, np.array([0.0, 0.0, -self._way.below]))
+        upward = np.tile([0.0, 0.0, self._way.acceleration], (len(self._postures), 1))
+        hold = CarryQuasiStatically(self._way.plant, self._postures, depth + self._deeper, held, upward)
+        if hold.lost:
+            return Problem("it slips", more_helps=True)
+        if (turned := float(np.linalg.norm(hold.turned[:, :2], axis=1).max())) > TURNS:
+            return Problem(f"it tilts by {np.rad2deg(turned):.0f} degrees", more_helps=True)
+        if (force := PRESSES_MORE * float(hold.force.max())) > self._limit:
+            return Problem(f"a palm may press with {force:.0f} N", more_helps=False)
+        # The simulated arms have no weight; a real one's motors bear it as well.
+        needed = np.maximum(np.abs(hold.effort), np.abs(hold.effort + self._bears)) / self._efforts
+        if (share := float(needed.max())) > EFFORT:
+            return Problem(f"a motor needs {100.0 * share:.0f} % of what it can", more_helps=False)
+        return None
+
+    def find(self, force_per_depth: float, worse: float) -> tuple[float | None, str]:
+        """The depth, m, that holds the box, and in words what is not sure about it; or None, and why there is none.
+
+        The least that holds a box that is heavier and smoother by the share `worse`, too; else the greatest that holds
+        this one, the farthest from slipping.
+
+        Args:
+            force_per_depth: mean force over the depth, N/m.
+        """
+        friction = combined_friction(self._box.friction, PALM_FRICTION)
+        least = float(least_squeeze(self._box.mass, friction, self._way.acceleration, factor=1.0))
+        fits, little, much = None, "", ""
+        for force in np.geomspace(min(least, self._limit), self._limit, CANDIDATES):
+            depth = float(force / force_per_depth)
+            problem = self.problem(depth)
+            told = "" if problem is None else f"with {force:.0f} N {problem.what}"
+            if problem is None:
+                fits, problem = depth, self.problem(depth, worse=worse)
+                if problem is None:
+                    return depth, ""
+            elif problem.more_helps:
+                little = told
+            else:
+                much = told
+            if not problem.more_helps:
+                break  # With more it is no less.
+        if fits is None:
+            return None, ", ".join(one for one in (little, much) if one)
+        return fits, f"one {worse:.0%} heavier and smoother is not, and more is too much for palms or motors"
+
+
+def Motors(plant: MultibodyPlant, postures: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The motors' limits (14,), what of the arms they bear in postures (N, 14), N m; the palms' distance (N,), m."""
+    context = plant.CreateDefaultContext()
+    arms = [plant.GetModelInstanceByName(arm) for arm in ARMS]
+    palms = [plant.GetFrameByName("palm", arm) for arm in arms]
+    limits = np.array([actuator.effort_limit() for arm in arms for actuator in ArmActuators(plant, arm)])
+    bears, places = np.empty(postures.shape), np.empty((len(postures), 2, 3))
+    for k, q in enumerate(postures):
+        plant.SetPositions(context, q)
+        bears[k] = -np.concatenate([gravity_torque(plant, context, arm) for arm in arms])
+        places[k] = [palm.CalcPoseInWorld(context).translation() for palm in palms]
+    return limits, bears, np.linalg.norm(places[:, 1] - places[:, 0], axis=1)

@@ -1,0 +1,114 @@
+"""What is predicted of a squeezed box along the default run's way, and the squeeze that is chosen by it."""
+
+import numpy as np
+import pytest
+
+from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning.held_squeeze import HeldSqueeze, Way
+from drake_blfdmp.planning.scenario_sections import TaskConfig
+from drake_blfdmp.planning.squeeze import ARMS_NEED, UNSURE, ChooseSqueeze, Compliances, NeededForce
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE
+from drake_blfdmp.robot.box import BoxParameters
+from drake_blfdmp.robot.plant import MakeKinematicPlant
+
+HEAVY = BoxParameters(width=0.3, mass=4.0, friction=0.5)
+
+
+@pytest.fixture(scope="module")
+def way(default_plan):
+    first, last = default_plan.task.held
+    # The samples were taken before the motion was slowed down.
+    t = default_plan.stretch * default_plan.scenario.simulation.skill_time_step * default_plan.reach.samples
+    postures = default_plan.reach.following.q[(t >= first) & (t <= last)]
+    return Way(MakeKinematicPlant(), postures, DEFAULT_SQUEEZE, default_plan.scenario.task.grasp_above, 0.4)
+
+
+@pytest.fixture(scope="module")
+def compliances(way):
+    return Compliances(way.plant, way.postures)
+
+
+@pytest.fixture(scope="module")
+def per_depth(compliances):
+    """Mean force over the depth, N/m."""
+    return float(2.0 * np.mean(1.0 / compliances))
+
+
+@pytest.mark.parametrize(
+    ("force", "limit", "what", "more_helps"),
+    [
+        (50.0, 120.0, "it slips", True),  # Simulated, it tilts by 14 degrees; with 60 N by 7.
+        (60.0, 120.0, "it slips", True),
+        (75.0, 120.0, None, None),  # Simulated, it is carried, tilted by half a degree.
+        (75.0, 80.0, "a palm may press with", False),
+        (200.0, 1000.0, "a motor needs", False),
+    ],
+)
+def test_problems_of_a_heavy_box(way, per_depth, force, limit, what, more_helps):
+    found = HeldSqueeze(way, HEAVY, limit).problem(force / per_depth)
+    if what is None:
+        assert found is None
+    else:
+        assert found.what.startswith(what) and found.more_helps == more_helps
+
+
+@pytest.mark.parametrize(
+    ("mass", "friction", "too_little", "enough"),
+    [(1.0, 0.8, 13.0, 15.0), (1.0, 0.313, 22.0, 26.0), (3.0, 0.8, 38.0, 46.0), (5.0, 0.8, 70.0, 75.0)],
+)
+def test_the_least_squeeze_is_that_of_the_simulated_arms(way, per_depth, mass, friction, too_little, enough):
+    """Of the boxes of docs/contact.md, each carried out with many squeezes; 14 N carry the first, 42 N the third."""
+    held = HeldSqueeze(way, BoxParameters(width=0.3, mass=mass, friction=friction), 120.0)
+    assert held.problem(too_little / per_depth).what == "it slips"
+    assert held.problem(enough / per_depth) is None
+
+
+def test_a_light_box_has_none_and_bears_to_be_worse(way, per_depth):
+    held = HeldSqueeze(way, BoxParameters(width=0.3), 120.0)
+    assert held.problem(55.0 / per_depth) is None and held.problem(55.0 / per_depth, worse=UNSURE) is None
+
+
+def test_the_depth_found_is_the_least_that_holds_what_is_worse_too(way, per_depth):
+    held = HeldSqueeze(way, BoxParameters(width=0.3, mass=2.0, friction=0.6), 120.0)
+    depth, told = held.find(per_depth, UNSURE)
+    assert told == "" and held.problem(depth, worse=UNSURE) is None
+    assert held.problem(0.8 * depth, worse=UNSURE) is not None
+
+
+def test_where_nothing_holds_what_is_worse_the_depth_is_the_greatest_that_holds(way, per_depth):
+    held = HeldSqueeze(way, HEAVY, 120.0)
+    depth, told = held.find(per_depth, UNSURE)
+    assert held.problem(depth) is None and "20% heavier and smoother is not" in told
+    assert held.problem(1.5 * depth).more_helps is False
+
+
+@pytest.mark.parametrize(
+    ("box", "limit", "told"),
+    [
+        (BoxParameters(width=0.3, mass=10.0, friction=0.8), 120.0, "with 120 N it slips"),
+        (HEAVY, 76.0, "N it slips, with 76 N a palm may press with 1"),
+    ],
+)
+def test_what_cannot_be_held_is_told_with_its_forces(way, per_depth, box, limit, told):
+    depth, why = HeldSqueeze(way, box, limit).find(per_depth, UNSURE)
+    assert depth is None and told in why
+
+
+def test_a_box_that_rules_of_thumb_refuse_is_carried_where_it_is_predicted_to_hold(way, compliances, per_depth):
+    def choose(box=HEAVY, **task):
+        strong, held = np.full(len(compliances), 70.0), HeldSqueeze(way, box, TaskConfig(**task).force_limit)
+        return ChooseSqueeze(TaskConfig(**task), box, compliances, strong, strong, 0.4, held)
+
+    assert NeededForce(HEAVY, 0.4, ARMS_NEED) > 70.0
+    found = choose()
+    assert 65.0 < found.force < 100.0 and found.force == pytest.approx(found.depth * per_depth)
+    assert "predicted to hold a box of 4 kg with friction 0.5" in found.notes[0]
+    assert choose(squeeze_force=75.0).force == pytest.approx(75.0)
+    for box, task in ((HEAVY, {"squeeze_force": 50.0}), (HEAVY, {"squeeze": 50.0 / per_depth})):
+        with pytest.raises(
+            TaskError, match=r"^force: .*4 kg .* cannot be held: with 50 N it slips; use a lighter"
+        ) as told:
+            choose(box, **task)
+        assert told.value.reason == "force"
+    with pytest.raises(TaskError, match="12 kg with friction 0.5 cannot be held: "):
+        choose(BoxParameters(width=0.3, mass=12.0, friction=0.5))
