@@ -6,17 +6,18 @@ commanded, of 14 joints and of the box, make
 
     1/2 dq^T K dq - f^T u + sum_i k_i/2 max(0, depth_i)^2 + sum_i phi(|r_i - s_i|, mu p_i)
 
-least: depth_i(u) how deep point i is in the face, p_i = k_i depth_i its force, r_i(u) how far it has moved along the
-face, s_i where it sticks, and phi(r, limit) the potential of friction, h/2 r^2 with a great h up to the limit, then
-limit r. They are small, so everything is linear in u about the command, and the sum is convex where the limits are
-those of the step before, as in Drake's `lagged` contact. Points whose limit is passed slide, and stick where they come
-to (return mapping; Wriggers, Computational Contact Mechanics, 2006, chapter 9).
+least: depth_i(u) how deep point i is in the face, k_i its stiffness, p_i = k_i depth_i its force, r_i(u) how far it has
+moved along the face, s_i where it sticks, and phi(r, limit) the potential of friction, h/2 r^2 with a great h up to the
+limit, then limit r. They are small, so everything is linear in u about the command, and the sum is convex where the
+limits are given, as in Drake's `lagged` contact; they are found by repetition. Points whose limit is passed slide, and
+stick where they come to (return mapping; Wriggers, Computational Contact Mechanics, 2006).
 
 First the palms close, step by step, on a box that its table holds; then the box is carried from posture to posture.
 What differs from the simulated arms: no speed, no damping, and a box that turns far is lost, which then may hang at an
 angle. It takes a hundredth of the simulation's time.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -40,6 +41,9 @@ TABLE = 1e7
 
 LOST_M, LOST_RAD = 0.02, np.deg2rad(6.0)
 """A box that moves or turns by more in the palms is lost."""
+
+RELAXED = 0.01
+"""The limits of friction are found when they change by no more than this share."""
 
 _BOX, _TURN = slice(14, 17), slice(17, 20)
 
@@ -105,7 +109,12 @@ class Hold:
 
 
 def CarryQuasiStatically(
-    plant: MultibodyPlant, postures, depths, box: HeldBox, accelerations=None, stiffness=DEFAULT_STIFFNESS
+    plant: MultibodyPlant,
+    postures: np.ndarray,
+    depths: np.ndarray,
+    box: HeldBox,
+    accelerations: np.ndarray | None = None,
+    stiffness: Sequence[float] | np.ndarray = DEFAULT_STIFFNESS,
 ) -> Hold:
     """Closes on a box in the first of the postures and carries it through all.
 
@@ -154,9 +163,8 @@ class _Pads(NamedTuple):
             turn, move = np.zeros((3, 20)), np.zeros((3, 20))
             turn[:, 7 * k : 7 * k + 7], move[:, 7 * k : 7 * k + 7] = J[:3, columns], J[3:, columns]
             turn[:, _TURN] = move[:, _BOX] = -np.eye(3)
-            move[:, _TURN] = np.cross(
-                pose.translation() - middle, np.eye(3)
-            ).T  # place x turned: less what turning moves.
+            place = pose.translation() - middle
+            move[:, _TURN] = np.cross(place, np.eye(3)).T  # Times turned: place x turned, less what turning moves.
             axes = pose.rotation().matrix().T
             places = pad.at @ axes[:2]
             x, y, z = (axis @ move + np.cross(places, axis) @ turn for axis in axes)
@@ -191,7 +199,7 @@ class _Carry:
                 return False
             pressure = self._normal * np.maximum(0.0, depth + pads.into @ u)
             new = self._box.friction * pressure
-            if trial and np.abs(new - limit).sum() <= 0.01 * new.sum():
+            if trial and np.abs(new - limit).sum() <= RELAXED * new.sum():
                 break
             limit = new if trial == 0 else 0.5 * (limit + new)
         self._u, self._pressure = u, pressure

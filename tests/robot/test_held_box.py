@@ -1,5 +1,8 @@
 """A box held between two palms at rest: what follows from the pads alone, from equilibrium, from friction's limit."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydrake.multibody.tree import JacobianWrtVariable
@@ -8,6 +11,7 @@ from drake_blfdmp.robot.grasp_force import GRAVITY, PALM_RADIUS, least_squeeze
 from drake_blfdmp.robot.held_box import FOUNDATION, CarryQuasiStatically, HeldBox, MakePadPoints
 from drake_blfdmp.robot.plant import ARMS, ArmActuators, MakeKinematicPlant
 
+PALM = Path(__file__).resolve().parents[2] / "models" / "panda_palm.urdf"
 STIFF = np.full(7, 1e9)
 WIDTH, FRICTION = 0.3, 0.6
 HEXAGON = 1.5 * np.sqrt(3.0) * PALM_RADIUS**2
@@ -42,6 +46,14 @@ def palms(plant, q):
         columns = [actuator.joint().velocity_start() for actuator in ArmActuators(plant, arm)]
         found.append((palm.CalcPoseInWorld(context), J[:, columns]))
     return found
+
+
+def test_the_foundation_is_the_models():
+    """Drake's pressure of a flat cylinder: the modulus where it is half as deep as it is thick."""
+    collision = PALM.read_text().split("drake:compliant_hydroelastic")[0].split("<collision")[-1]
+    thickness = float(re.search(r'length="([\d.]+)"', collision)[1])
+    modulus = float(re.search(r'hydroelastic_modulus value="([\de.]+)"', PALM.read_text())[1])
+    assert modulus / (0.5 * thickness) == pytest.approx(FOUNDATION)
 
 
 def test_the_pad_is_a_hexagon():
