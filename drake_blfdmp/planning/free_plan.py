@@ -84,7 +84,7 @@ def MakeFreePlan(scenario: Scenario, source: Source, progress: Progress = lambda
             *(() if source.together is None else source.together.notes),
             *HandNotes(motion, least, reach.retarget.hands_scale),
             *AdaptationNotes(reach.retarget, stretch),
-            *YawNotes(coupled.t, coupled.x, reach.retarget, stretch),
+            *YawNotes(coupled, reach.retarget, stretch, stretch * scenario.timing.rest_s),
         ),
     )
 

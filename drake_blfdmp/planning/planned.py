@@ -180,23 +180,25 @@ def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
     return notes
 
 
-def YawNotes(t, x, retarget: Retarget, stretch: float) -> list[str]:
+def YawNotes(coupled: Rollout, retarget: Retarget, stretch: float, since: float) -> list[str]:
     """That the palms' line turns faster than is gentle (`robot.yaw_rate`), in a sentence.
 
     It does where the arms cannot do with less of the hands' yaw, or where more is asked for.
 
     Args:
-        t, x: (N,), s, and (N, 6, 3), m: the motion at its planned speed.
+        coupled: the motion at its planned speed.
         retarget: it is mapped by.
         stretch: of the plan, by which the recording is slowed down already.
+        since: s, from when on the arms move.
     """
-    rate, turn = yaw_rates(t, x, retarget)
+    moving = coupled.t >= since
+    rate, turn = yaw_rates(coupled.t[moving], coupled.x[moving], retarget)
     over = max(rate / RATE, np.sqrt(turn / TURN))
     if over <= GENTLE_ENOUGH:
         return []
     return [
-        f"the line between the palms turns by up to {rate:.1f} rad/s, which throws about what they hold; "
-        f"task.duration_scale={stretch * over:.2g} makes it gentle"
+        f"the line between the palms turns by up to {rate:.1f} rad/s, changing by up to {turn:.0f} rad/s^2, which "
+        f"throws about what they hold; task.duration_scale={stretch * over:.2g} makes it gentle"
     ]
 
 
