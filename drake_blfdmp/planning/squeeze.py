@@ -114,7 +114,7 @@ def RefuseForce(task: TaskConfig, box: BoxParameters) -> None:
     if least > task.force_limit:
         raise TaskError(
             f"force: a box of {box.mass:g} kg with friction {box.friction:g} needs {least:.0f} N of each palm at rest, "
-            f"more than task.force_limit, {task.force_limit:g} N; {REMEDY}",
+            f"more than task.force_limit, {task.force_limit:g} N; use a lighter or rougher box, or raise the limit",
             reason="force",
         )
 

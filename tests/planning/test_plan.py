@@ -137,8 +137,8 @@ def test_the_plan_says_what_it_presses_with(default_plan):
 
 def test_a_box_that_no_allowed_force_holds_is_refused_before_anything_is_searched():
     seen = []
-    with pytest.raises(TaskError, match=r"^force: a box of 9 kg with friction 0\.3 needs 2\d\d N") as caught:
-        MakePlan(replace(Scenario(), box=BoxConfig(mass=9.0, friction=0.3)), lambda what, share: seen.append(what))
+    with pytest.raises(TaskError, match=r"^force: a box of 12 kg .* needs 16\d N of each palm at rest") as caught:
+        MakePlan(replace(Scenario(), box=BoxConfig(mass=12.0, friction=0.3)), lambda what, share: seen.append(what))
     assert caught.value.reason == "force" and "finding a reachable place" not in seen
 
 
