@@ -61,10 +61,6 @@ ROOM_NOTES = (
 YAW_TOLERANCE = np.deg2rad(2.0)
 """How much less than asked for the box may be turned, rad."""
 
-FORCED = 0.6
-"""An elbow that a joint's limit pushes farther than this from where the person has it, rad, may not come back: the arms
-pass from one way of holding their palms to another where a planner's samples step over it."""
-
 TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
 
@@ -107,7 +103,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         )
     # Where the whole recording is held there is nothing to trim.
     whole = source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1
-    failure, tight, forced = None, None, None
+    failure, tight = None, None
     arms = plant, kinematics, limits
     unmoved: dict[float, Unmoved] = {}
 
@@ -145,10 +141,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
             continue
         if plan.reach.comfortable:
             return plan
-        if plan.reach.following.swivel_error > FORCED:
-            forced = forced or plan
-        else:
-            tight = tight or plan
+        tight = tight or plan
     if tight is not None:
         return tight
     # Calmer hands need less room on their tables, and a smaller scale leaves more room for what was moved: the box, and
@@ -157,14 +150,9 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
     for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
         if shortest in unmoved and scale <= unmoved[shortest].reach.retarget.scale:
             try:
-                plan = tried(shortest, scale)
+                return tried(shortest, scale)
             except TaskError:
                 continue
-            if plan.reach.following.swivel_error <= FORCED:
-                return plan
-            forced = forced or plan
-    if forced is not None:
-        return forced
     raise failure or TaskError("plan: nothing was tried", reason="reach")
 
 
