@@ -17,6 +17,9 @@ POSTURES = 25
 CANDIDATES = 10
 """So many forces are, evenly in their logarithm, from the friction cone's estimate to the limit."""
 
+BETWEEN = 4
+"""So often what lies between too little and too much is halved."""
+
 EFFORT = 0.9
 """Share of its limit that a motor may need; what comes on top is the motion's."""
 
@@ -38,6 +41,8 @@ class Way:
             stays with other depths.
         below: how far the box's centre is below the palms' middle, m.
         acceleration: its largest, m/s^2; taken as upward all along.
+        compliances: (N,) of both palms together, m/N, where a loop is closed around their force (`HandsObserver`): it
+            makes them the deeper the more they yield, and the force even. None where nothing does.
     """
 
     plant: MultibodyPlant
@@ -45,6 +50,7 @@ class Way:
     depth: float
     below: float
     acceleration: float
+    compliances: np.ndarray | None = None
 
 
 class Problem(NamedTuple):
@@ -64,6 +70,9 @@ class HeldSqueeze:
         self._postures = way.postures[few]
         self._efforts, self._bears, apart = Motors(way.plant, self._postures)
         self._deeper = 0.5 * (box.width - apart) - way.depth
+        self._share = np.ones(len(few))  # Of the depth, in each posture.
+        if way.compliances is not None:
+            self._share = way.compliances[few] * np.mean(1.0 / way.compliances)
 
     def problem(self, depth: float, *, worse: float = 0.0) -> Problem | None:
         """What keeps a squeeze with palms so deep, m, from holding the box; None where nothing does.
@@ -75,7 +84,8 @@ class HeldSqueeze:
         friction = float(combined_friction(box.friction, PALM_FRICTION))
         held = HeldBox(box.width, box.mass, friction, np.array([0.0, 0.0, -self._way.below]))
         upward = np.tile([0.0, 0.0, self._way.acceleration], (len(self._postures), 1))
-        hold = CarryQuasiStatically(self._way.plant, self._postures, depth + self._deeper, held, upward)
+        depths = depth * self._share + self._deeper
+        hold = CarryQuasiStatically(self._way.plant, self._postures, depths, held, upward)
         if hold.lost:
             return Problem("it slips", more_helps=True)
         if (turned := float(np.linalg.norm(hold.turned[:, :2], axis=1).max())) > TURNS:
@@ -99,23 +109,36 @@ class HeldSqueeze:
         """
         friction = combined_friction(self._box.friction, PALM_FRICTION)
         least = float(least_squeeze(self._box.mass, friction, self._way.acceleration, factor=1.0))
-        fits, little, much = None, "", ""
+        fits, little, much = None, None, None  # A depth; a force and what is told of it.
+
+        def told(force: float, problem: Problem) -> tuple[float, str]:
+            return force, f"with {force:.3g} N {problem.what}"
+
         for force in np.geomspace(min(least, self._limit), self._limit, CANDIDATES):
             depth = float(force / force_per_depth)
             problem = self.problem(depth)
-            told = "" if problem is None else f"with {force:.0f} N {problem.what}"
             if problem is None:
-                fits, problem = depth, self.problem(depth, worse=worse)
-                if problem is None:
+                fits = depth
+                if self.problem(depth, worse=worse) is None:
                     return depth, ""
             elif problem.more_helps:
-                little = told
+                little = told(force, problem)
             else:
-                much = told
-            if not problem.more_helps:
+                much = told(force, problem)
                 break  # With more it is no less.
+        for _ in range(BETWEEN):
+            if fits is not None or little is None or much is None:
+                break
+            force = float(np.sqrt(little[0] * much[0]))
+            problem = self.problem(force / force_per_depth)
+            if problem is None:
+                fits = force / force_per_depth
+            elif problem.more_helps:
+                little = told(force, problem)
+            else:
+                much = told(force, problem)
         if fits is None:
-            return None, ", ".join(one for one in (little, much) if one)
+            return None, ", ".join(one[1] for one in (little, much) if one is not None)
         return fits, f"one {worse:.0%} heavier and smoother is not, and more is too much for palms or motors"
 
 

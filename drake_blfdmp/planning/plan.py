@@ -246,7 +246,8 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     acceleration = in_palms.largest_acceleration(task, coupled) / stretch**2
     strengths = [Strengths(plant, postures, box.mass, share) for share in (EVEN, UNEVEN)]
     planned_depth = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
-    way = Way(plant, postures, planned_depth, scenario.task.grasp_above, acceleration)
+    evened = compliances if scenario.feedback.hands and scenario.law == "default" else None
+    way = Way(plant, postures, planned_depth, scenario.task.grasp_above, acceleration, evened)
     held_squeeze = HeldSqueeze(way, box, scenario.task.force_limit)
     squeeze = ChooseSqueeze(scenario.task, box, compliances, *strengths, acceleration, held_squeeze)
     scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))

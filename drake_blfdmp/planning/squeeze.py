@@ -195,7 +195,9 @@ def _held_squeeze(task: TaskConfig, box: BoxParameters, mean: float, held: HeldS
     Raises:
         TaskError: nothing does.
     """
-    asked = task.squeeze if task.squeeze_force is None else task.squeeze_force / mean
+    asked = task.squeeze
+    if asked is None and task.squeeze_force is not None:
+        asked = task.squeeze_force / mean
     what = f"a box of {box.mass:g} kg with friction {box.friction:g}"
     if asked is None:
         depth, told = held.find(mean, UNSURE)
