@@ -14,14 +14,24 @@ from drake_blfdmp.robot.plant import ARMS, ArmActuators
 POSTURES = 25
 """So many of the held postures are looked at, evenly along the way."""
 
-CANDIDATES = 10
+CANDIDATES = 25
 """So many forces are, evenly in their logarithm, from the friction cone's estimate to the limit."""
 
-BETWEEN = 4
-"""So often what lies between too little and too much is halved."""
+HARDER_TRIED = 9
+"""So many are between a squeeze that a worse box may slip in and the most that is wanted."""
 
 EFFORT = 0.9
 """Share of its limit that a motor may need; what comes on top is the motion's."""
+
+HARDER = 2.0 / 3.0
+"""How far from the least to the greatest squeeze that holds a box the one is that is taken, in their logarithm."""
+
+DOUBT = 0.05
+"""A box so much lighter and rougher is held where the prediction may be wrong about one that slips: the least force
+that carries was seen to be 8 % less than predicted (docs/contact.md)."""
+
+DOUBTFUL_EFFORT = 1.0
+"""`EFFORT` where the prediction may be wrong about a motor."""
 
 PRESSES_MORE = 1.1
 """A palm that moves may press by this factor more than in equilibrium."""
@@ -74,11 +84,12 @@ class HeldSqueeze:
         if way.compliances is not None:
             self._share = way.compliances[few] * np.mean(1.0 / way.compliances)
 
-    def problem(self, depth: float, *, worse: float = 0.0) -> Problem | None:
+    def problem(self, depth: float, *, worse: float = 0.0, effort: float = EFFORT) -> Problem | None:
         """What keeps a squeeze with palms so deep, m, from holding the box; None where nothing does.
 
         Args:
             worse: share by which the box is heavier and smoother than believed.
+            effort: share of its limit that a motor may need.
         """
         box = replace(self._box, mass=(1.0 + worse) * self._box.mass, friction=(1.0 - worse) * self._box.friction)
         friction = float(combined_friction(box.friction, PALM_FRICTION))
@@ -94,52 +105,70 @@ class HeldSqueeze:
             return Problem(f"a palm may press with {force:.0f} N", more_helps=False)
         # The simulated arms have no weight; a real one's motors bear it as well.
         needed = np.maximum(np.abs(hold.effort), np.abs(hold.effort + self._bears)) / self._efforts
-        if (share := float(needed.max())) > EFFORT:
+        if (share := float(needed.max())) > effort:
             return Problem(f"a motor needs {100.0 * share:.0f} % of what it can", more_helps=False)
         return None
 
     def find(self, force_per_depth: float, worse: float) -> tuple[float | None, str]:
         """The depth, m, that holds the box, and in words what is not sure about it; or None, and why there is none.
 
-        The least that holds a box that is heavier and smoother by the share `worse`, too; else the greatest that holds
-        this one, the farthest from slipping.
+        The least that holds a box that is heavier and smoother by the share `worse`, too; else of those that hold this
+        one one well away from slipping, and not the greatest (`HARDER`); else one between too little and too much that
+        may hold it, if the prediction is a little wrong.
 
         Args:
             force_per_depth: mean force over the depth, N/m.
         """
         friction = combined_friction(self._box.friction, PALM_FRICTION)
         least = float(least_squeeze(self._box.mass, friction, self._way.acceleration, factor=1.0))
-        fits, little, much = None, None, None  # A depth; a force and what is told of it.
+        depths = np.geomspace(min(least, self._limit), self._limit, CANDIDATES) / force_per_depth
+        depth, _ = self._halve(depths, worse=worse)
+        if depth is not None and self.problem(depth) is None:
+            return depth, ""
+        depth, told = self._halve(depths, greatest=True)
+        why = ", ".join(f"with {depth * force_per_depth:.3g} N {what}" for depth, what in told)
+        if depth is not None:
+            between = float(depth * ((self._halve(depths)[0] or depth) / depth) ** (1.0 - HARDER))
+            depth = between if self.problem(between) is None else depth
+            return depth, f"one {worse:.0%} heavier and smoother is not, and much more is too much for palms or motors"
+        for depth, _ in reversed(told):  # What is too much for a motor rather than what slips.
+            if self.problem(depth, worse=-DOUBT, effort=DOUBTFUL_EFFORT) is None:
+                return depth, f"though barely, and it may fail: {why}"
+        return None, why
 
-        def told(force: float, problem: Problem) -> tuple[float, str]:
-            return force, f"with {force:.3g} N {problem.what}"
+    def harder(self, depth: float, deepest: float, worse: float) -> float:
+        """The least depth from one to another, m, that holds a box that is heavier and smoother by the share `worse`.
 
-        for force in np.geomspace(min(least, self._limit), self._limit, CANDIDATES):
-            depth = float(force / force_per_depth)
-            problem = self.problem(depth)
+        Where none does, the greatest that palms and motors bear with this one; the first where that is too much.
+        """
+        if self.problem(depth, worse=worse) is None:
+            return depth
+        depths = np.linspace(depth, deepest, HARDER_TRIED)
+        held, _ = self._halve(depths, worse=worse)
+        if held is None or self.problem(held) is not None:
+            held, _ = self._halve(depths, greatest=True)
+        return depth if held is None else held
+
+    def _halve(self, depths, *, greatest: bool = False, **options) -> tuple[float | None, list[tuple[float, str]]]:
+        """The least or the greatest of growing depths without a problem, found by halving; and the nearest with one.
+
+        What is too little for one depth is so for those below it, what is too much for those above.
+        """
+        fits, little, much = None, [], []
+        low, high = 0, len(depths)
+        while low < high:
+            k = (low + high) // 2
+            depth = float(depths[k])
+            problem = self.problem(depth, **options)
             if problem is None:
                 fits = depth
-                if self.problem(depth, worse=worse) is None:
-                    return depth, ""
             elif problem.more_helps:
-                little = told(force, problem)
+                little = [(depth, problem.what)]
             else:
-                much = told(force, problem)
-                break  # With more it is no less.
-        for _ in range(BETWEEN):
-            if fits is not None or little is None or much is None:
-                break
-            force = float(np.sqrt(little[0] * much[0]))
-            problem = self.problem(force / force_per_depth)
-            if problem is None:
-                fits = force / force_per_depth
-            elif problem.more_helps:
-                little = told(force, problem)
-            else:
-                much = told(force, problem)
-        if fits is None:
-            return None, ", ".join(one[1] for one in (little, much) if one is not None)
-        return fits, f"one {worse:.0%} heavier and smoother is not, and more is too much for palms or motors"
+                much = [(depth, problem.what)]
+            more = greatest if problem is None else problem.more_helps
+            low, high = (k + 1, high) if more else (low, k)
+        return fits, little + much
 
 
 def Motors(plant: MultibodyPlant, postures: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -14,7 +14,6 @@ from drake_blfdmp.planning.moved_carry import CarryEnds, EndYaws, FindReachAgain
 from drake_blfdmp.planning.open_palms import ROOM, CheckOpenPalms
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
-    FindReach,
     IndexAt,
     Plan,
     Progress,
@@ -27,6 +26,7 @@ from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.squeeze import (
     EVEN,
     UNEVEN,
+    AskedSqueeze,
     ChooseSqueeze,
     Compliances,
     RefuseForce,
@@ -61,17 +61,27 @@ ROOM_NOTES = (
 YAW_TOLERANCE = np.deg2rad(2.0)
 """How much less than asked for the box may be turned, rad."""
 
+FARTHEST = ("reach", "clearance", "force")
+"""Why nothing can be planned, the first to be met first."""
+
 TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
 
 
-def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, *, heed_clearance: bool = True) -> Plan:
+def MakePlan(
+    scenario: Scenario,
+    progress: Progress = lambda what, share: None,
+    *,
+    heed_clearance: bool = True,
+    heed_force: bool = True,
+) -> Plan:
     """Plan the whole run.
 
     Args:
         scenario: what is to be done.
         progress: called with what is being done and the share of it done.
         heed_clearance: False plans what comes too near to the tables, too, to show what would become of it.
+        heed_force: False squeezes as hard as is asked, whatever palms and motors bear, for the same reason.
 
     Raises:
         RecordingError, SkillError, ScenarioError, TaskError: one line that says what, where and what to do.
@@ -90,7 +100,8 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         mass=scenario.box.mass,
         friction=scenario.box.friction,
     )
-    RefuseForce(scenario.task, box)
+    if heed_force:
+        RefuseForce(scenario.task, box)
     plant = MakeKinematicPlant()
     kinematics = DualArmKinematics(plant)
     limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(arm) for arm in ARMS])
@@ -103,20 +114,22 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         )
     # Where the whole recording is held there is nothing to trim.
     whole = source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1
-    failure, tight = None, None
+    failures: list[TaskError] = []
+    tight = None
     arms = plant, kinematics, limits
     unmoved: dict[float, Unmoved] = {}
 
-    def tried(trim: float, scale: float | None) -> Plan:
+    def tried(trim: float, scale: float | None, wide: bool = False) -> Plan:
         timing = replace(
             scenario.timing,
             approach_s=trim * scenario.timing.approach_s,
             retreat_s=trim * scenario.timing.retreat_s,
         )
         trimmed = replace(scenario, timing=timing)
-        if scale is None:
-            unmoved[trim] = MakeUnmoved(trimmed, source, kinematics, limits, progress)
-        plan = _plan(trimmed, source, box, arms, progress, heed_clearance, unmoved[trim], scale)
+        if trim not in unmoved:
+            options = {"calms": CALM[-1:], "wide": True} if wide else {}
+            unmoved[trim] = MakeUnmoved(trimmed, source, kinematics, limits, progress, **options)
+        plan = _plan(trimmed, source, box, arms, progress, (heed_clearance, heed_force), unmoved[trim], scale, wide)
         if heed_clearance and not whole:
             # There is nothing behind the last trim: it may come near, but not touch.
             last = trim == TRIMS[-1]
@@ -137,7 +150,7 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
         try:
             plan = tried(trim, None)
         except TaskError as error:
-            failure = failure or error
+            failures.append(error)
             continue
         if plan.reach.comfortable:
             return plan
@@ -145,24 +158,31 @@ def MakePlan(scenario: Scenario, progress: Progress = lambda what, share: None, 
     if tight is not None:
         return tight
     # Calmer hands need less room on their tables, and a smaller scale leaves more room for what was moved: the box, and
-    # how far its places are moved, keep their size in the world.
+    # how far its places are moved, keep their size in the world. At last, places are looked for farther around.
     shortest = trims[-1]
-    for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
-        if shortest in unmoved and scale <= unmoved[shortest].reach.retarget.scale:
+    for wide in (False, True) if scenario.retarget.world is None else (False,):
+        for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
+            own = unmoved.get(shortest)
+            if scale > own.reach.retarget.scale if own else not wide:
+                continue  # The person's own motion does not suit the arms so.
             try:
-                return tried(shortest, scale)
-            except TaskError:
-                continue
-    raise failure or TaskError("plan: nothing was tried", reason="reach")
+                return tried(shortest, scale, wide)
+            except TaskError as error:
+                failures.append(error)
+            if shortest not in unmoved:
+                break
+    # What got farthest says most.
+    raise max(failures, key=lambda error: FARTHEST.index(error.reason) if error.reason in FARTHEST else -1)
 
 
-def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmoved, scale: float | None) -> Plan:
+def _plan(scenario, source, box, arms, progress, heed, unmoved: Unmoved, scale: float | None, wide: bool) -> Plan:
     plant, kinematics, limits = arms
+    heed_clearance, heed_force = heed
     motion, task, coupled, reach = unmoved.motion, unmoved.task, unmoved.coupled, unmoved.reach
     anchor, same_level, notes = unmoved.anchor, unmoved.same_level, []
-    calm = {} if scale is None else {"calms": CALM[-1:]}
+    calm = {} if scale is None else {"calms": CALM[-1:], "wide": wide}
     if scale is not None:
-        reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress, scale, **calm)
+        reach = unmoved.at_scale(scenario, kinematics, limits, progress, scale, **calm)
     if yaw := scenario.task.place_rotation[2]:
         turned = (unmoved.not_turned, (task, coupled))
         CheckYaw(yaw, *(EndYaws(rollout, of, reach.retarget)[1] for of, rollout in turned))
@@ -244,12 +264,15 @@ def _plan(scenario, source, box, arms, progress, heed_clearance, unmoved: Unmove
     compliances = Compliances(plant, postures)
     in_palms = carried_box(reach.retarget)
     acceleration = in_palms.largest_acceleration(task, coupled) / stretch**2
-    strengths = [Strengths(plant, postures, box.mass, share) for share in (EVEN, UNEVEN)]
-    planned_depth = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
-    evened = compliances if scenario.feedback.hands and scenario.law == "default" else None
-    way = Way(plant, postures, planned_depth, scenario.task.grasp_above, acceleration, evened)
-    held_squeeze = HeldSqueeze(way, box, scenario.task.force_limit)
-    squeeze = ChooseSqueeze(scenario.task, box, compliances, *strengths, acceleration, held_squeeze)
+    if heed_force:
+        strengths = [Strengths(plant, postures, box.mass, share) for share in (EVEN, UNEVEN)]
+        planned_depth = DEFAULT_SQUEEZE if scenario.task.squeeze is None else scenario.task.squeeze
+        evened = compliances if scenario.feedback.hands and scenario.law == "default" else None
+        way = Way(plant, postures, planned_depth, scenario.task.grasp_above, acceleration, evened)
+        held_squeeze = HeldSqueeze(way, box, scenario.task.force_limit)
+        squeeze = ChooseSqueeze(scenario.task, box, compliances, *strengths, acceleration, held_squeeze)
+    else:
+        squeeze = AskedSqueeze(scenario.task, compliances)
     scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))
     notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]

@@ -119,6 +119,18 @@ def RefuseForce(task: TaskConfig, box: BoxParameters) -> None:
         )
 
 
+def AskedSqueeze(task: TaskConfig, compliances: np.ndarray) -> Squeeze:
+    """The squeeze that a task asks for, whatever palms, arms and the box make of it.
+
+    Args:
+        task: its squeeze, else its squeeze_force, else `USUAL_FORCE`.
+        compliances: (N,) of the held postures, m/N.
+    """
+    mean = _force_per_depth(compliances)
+    depth = AskedForce(task) / mean if task.squeeze is None else task.squeeze
+    return Squeeze(depth, depth * mean)
+
+
 def ChooseSqueeze(
     task: TaskConfig,
     box: BoxParameters,
@@ -132,7 +144,8 @@ def ChooseSqueeze(
 
     Both palms yield: the force of a depth d is 2 d / (1/k_left + 1/k_right). In no held posture it passes the force
     limit or the arms' strength, less what `OVERSHOOT` keeps free. What is pressed more than usual, and more than the
-    box as it is believed to be needs, leaves room for palms that bear it unevenly.
+    box as it is believed to be needs, leaves room for palms that bear it unevenly; where that is too little for a box
+    that is worse, what palms and motors are predicted to bear counts.
 
     Args:
         task: its squeeze, squeeze_force and force_limit.
@@ -141,12 +154,13 @@ def ChooseSqueeze(
         strengths: (N,) of the arms in them, N.
         uneven: (N,) the same where one palm bears all of the box (`UNEVEN`), N.
         acceleration: largest of the carried box, m/s^2.
-        held: tells what becomes of a box that needs more than is allowed so; such a box is refused when None.
+        held: tells what becomes of a box that needs more than is allowed so; such a box is refused when None, and one
+            that is worse than believed may slip.
 
     Raises:
         TaskError: of reason force: no allowed squeeze holds the box, or more is asked for than is allowed.
     """
-    mean = 2.0 * float(np.mean(1.0 / compliances))  # Of the force over the depth, N/m.
+    mean = _force_per_depth(compliances)
     deepest = _deepest(task, compliances, strengths)
     allowed = deepest * mean
     by = "task.force_limit" if strengths.min() >= task.force_limit else "the arms' strength"
@@ -172,7 +186,10 @@ def ChooseSqueeze(
             reason="force",
         )
     room = mean * _deepest(task, compliances, uneven)
-    wanted = min(max(USUAL_FORCE, needed, min(WantedForce(box, acceleration), room)), allowed)
+    safe = WantedForce(box, acceleration)
+    wanted = min(max(USUAL_FORCE, needed, min(safe, room)), allowed)
+    if task.squeeze_force is None and task.squeeze is None and wanted < safe and held is not None:
+        wanted = mean * held.harder(wanted / mean, safe / mean, UNSURE)
     force = wanted if task.squeeze_force is None else task.squeeze_force
     depth = force / mean if task.squeeze is None else task.squeeze
     force, notes = depth * mean, []
@@ -182,6 +199,11 @@ def ChooseSqueeze(
         why = f"a box of {box.mass:g} kg with friction {box.friction:g} may need it" if force > USUAL_FORCE else by
         notes.append(f"squeezed with {force:.0f} N in place of the usual {USUAL_FORCE:.0f} N: {why}")
     return Squeeze(depth, force, tuple(notes))
+
+
+def _force_per_depth(compliances: np.ndarray) -> float:
+    """Its mean over held postures, N/m."""
+    return 2.0 * float(np.mean(1.0 / compliances))
 
 
 def _deepest(task: TaskConfig, compliances: np.ndarray, strengths: np.ndarray) -> float:

@@ -1,10 +1,12 @@
 """The person's own motion as the arms can take it up, before the places of the box are moved."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from drake_blfdmp.demonstration.timing import TaskMotion
+from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.moved_carry import EndHeights, HandsMiddle, ShiftWindow
 from drake_blfdmp.planning.planned import FindReach, IndexAt, Progress
 from drake_blfdmp.planning.scenario import Scenario
@@ -38,11 +40,47 @@ class Unmoved:
     same_level: bool
     reach: Reach
 
+    def at_scale(
+        self,
+        scenario: Scenario,
+        kinematics: DualArmKinematics,
+        limits: JointLimits,
+        progress: Progress,
+        scale: float,
+        *,
+        wide: bool,
+        **options: Any,
+    ) -> Reach:
+        """The reach at another scale.
+
+        Args:
+            wide: look farther around (`find_reach`) where nothing is found near by, which takes seconds.
+            options: of `FindReach`.
+
+        Raises:
+            TaskError: nothing fits.
+        """
+        asked = scenario, self.coupled, self.anchor, kinematics, limits, progress, scale
+        try:
+            return FindReach(*asked, **options)
+        except TaskError:
+            if not wide:
+                raise
+        return FindReach(*asked, wide=True, **options)
+
 
 def MakeUnmoved(
-    scenario: Scenario, source: Source, kinematics: DualArmKinematics, limits: JointLimits, progress: Progress
+    scenario: Scenario,
+    source: Source,
+    kinematics: DualArmKinematics,
+    limits: JointLimits,
+    progress: Progress,
+    **options: Any,
 ) -> Unmoved:
     """Learn the person's motion, take what the law swings in the dwells out of it, turn its end, and find its reach.
+
+    Args:
+        options: of `FindReach`.
 
     Raises:
         SkillError, ScenarioError, TaskError: as the steps do.
@@ -63,5 +101,5 @@ def MakeUnmoved(
         motion = Turned(motion, yaw, ShiftWindow(coupled, task, same_level))
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
-    reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress)
+    reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress, **options)
     return Unmoved(motion, task, coupled, not_turned, anchor, bool(same_level), reach)

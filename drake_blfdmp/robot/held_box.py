@@ -9,12 +9,14 @@ commanded, of 14 joints and of the box, make
 least: depth_i(u) how deep point i is in the face, k_i its stiffness, p_i = k_i depth_i its force, r_i(u) how far it has
 moved along the face, s_i where it sticks, and phi(r, limit) the potential of friction, h/2 r^2 with a great h up to the
 limit, then limit r. They are small, so everything is linear in u about the command, and the sum is convex where the
-limits are given, as in Drake's `lagged` contact; they are found by repetition. Points whose limit is passed slide, and
-stick where they come to (return mapping; Wriggers, Computational Contact Mechanics, 2006).
+limits are given, as in Drake's `lagged` contact; they are found by repetition, in which the box creeps against a
+viscosity that thins, so that the limits follow the pressure: what comes to rest is held, what does not is lost. Points
+whose limit is passed slide, and stick where they come to (return mapping; Wriggers, Computational Contact Mechanics,
+2006).
 
-First the palms close, step by step, on a box that its table holds; then the box is carried from posture to posture.
-What differs from the simulated arms: no speed, no damping, and a box that turns far is lost, which then may hang at an
-angle. It takes a hundredth of the simulation's time.
+First the palms close, step by step, on a box that its table keeps upright and lets slide; then the box is carried from
+posture to posture. What differs from the simulated arms: no speed, no damping, no friction on the table, and a box that
+turns far is lost, which then may hang at an angle. It takes a hundredth of the simulation's time.
 """
 
 from collections.abc import Sequence
@@ -37,13 +39,25 @@ STICKING = 30.0
 CLOSING_STEPS = 8
 FIRST_GAP = 2e-4  # m, from which the palms close.
 TABLE = 1e7
-"""How stiffly a table holds a box that is being taken, N/m and N m/rad."""
+"""How stiffly a table keeps a box upright that is being taken, N/m and N m/rad."""
 
 LOST_M, LOST_RAD = 0.02, np.deg2rad(6.0)
 """A box that moves or turns by more in the palms is lost."""
 
 RELAXED = 0.01
 """The limits of friction are found when they change by no more than this share."""
+
+AT_REST_N, AT_REST_NM = 1e-3, 1e-4
+"""What may be missing to the box's equilibrium, N and N m."""
+
+VISCOSITY, THINS, THINNEST = 2e4, 0.7, 2e3
+"""What a box that creeps meets, N a metre and repetition; by which factor it thins with each, and to what. What is
+found does not depend on them."""
+
+LEVER = 0.1
+"""Length, m, that makes viscosity against turning of it."""
+
+REPETITIONS = 80
 
 _BOX, _TURN = slice(14, 17), slice(17, 20)
 
@@ -188,26 +202,32 @@ class _Carry:
         holding, load = np.zeros((20, 20)), np.zeros(20)
         holding[range(14), range(14)] = self._stiffness
         if on_table:
-            holding[range(14, 20), range(14, 20)] = TABLE
+            holding[range(16, 19), range(16, 19)] = TABLE  # Its height, and two of its turns.
         else:
             load[_BOX] = self._box.mass * (np.array([0.0, 0.0, -GRAVITY]) - acceleration)
             load[_TURN] = np.cross(self._box.centre, load[_BOX])
-        limit, u = np.full(self._pressure.shape, np.inf), self._u
-        for trial in range(8):
-            u = self._least(u, pads, depth, holding, load, limit)
-            if u is None:
+        u, limit = self._u, self._box.friction * self._pressure
+        for trial in range(REPETITIONS):
+            before, slow = u, np.zeros(20)
+            slow[_BOX] = max(VISCOSITY * THINS**trial, THINNEST)
+            slow[_TURN] = LEVER**2 * slow[_BOX]
+            u = self._least(before, pads, depth, holding + np.diag(slow), load + slow * before, limit)
+            if u is None or np.abs(u[_BOX]).max() > LOST_M or np.abs(u[_TURN]).max() > LOST_RAD:
                 return False
             pressure = self._normal * np.maximum(0.0, depth + pads.into @ u)
-            new = self._box.friction * pressure
-            if trial and np.abs(new - limit).sum() <= RELAXED * new.sum():
+            new, missing = self._box.friction * pressure, np.abs(slow * (u - before))
+            at_rest = missing[_BOX].max() < AT_REST_N and missing[_TURN].max() < AT_REST_NM
+            if at_rest and np.abs(new - limit).sum() <= RELAXED * new.sum():
                 break
-            limit = new if trial == 0 else 0.5 * (limit + new)
+            limit = 0.5 * (limit + new)
+        else:
+            return False
         self._u, self._pressure = u, pressure
         moved = pads.along @ u
         self._friction = self._held_back(moved - self._stuck, limit)[0]
         stick = STICKING * self._normal
         self._stuck = np.where(pressure[..., None] > 0.0, moved - self._friction / stick, moved)
-        return bool(np.abs(u[_BOX]).max() < LOST_M and np.abs(u[_TURN]).max() < LOST_RAD)
+        return True
 
     def _held_back(self, slip: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Friction (..., 2) at slips (..., 2) from where points stick, its ratio to them, and whether they slide."""
@@ -236,7 +256,7 @@ class _Carry:
             friction, ratio, slides = self._held_back(slip, limit)
             slope = holding @ u - load + flat.T @ friction.ravel()
             slope += self._normal * np.maximum(0.0, depths).ravel() @ pads.into.reshape(-1, 20)
-            if np.linalg.norm(slope) < 1e-4 * (1.0 + np.linalg.norm(load)):
+            if np.linalg.norm(slope) < AT_REST_N:
                 return u
             into = pads.into[touching]
             weights = ratio[..., None, None] * np.eye(2)

@@ -36,7 +36,9 @@ class DualArmKinematics:
     """Kinematics of the two arms; holds a plant of its own and its context.
 
     Attributes:
+        shoulders: (2, 3) where each arm's first two axes meet, m in W.
         straight_elbow: (2,) the angles of joint 4, rad, at which each arm is straight; bent are smaller ones.
+        arm_length: (2,) no palm gets farther from its shoulder, m.
         chains: the same kinematics for many postures at once.
     """
 
@@ -46,17 +48,19 @@ class DualArmKinematics:
         self._context = self._plant.CreateDefaultContext()
         self._world = self._plant.world_frame()
         self._frames = []
-        self._shoulders = []  # The first two axes meet there whatever the joints' angles.
+        shoulders = []  # The first two axes meet there whatever the joints' angles.
         self._columns = []
         for arm in ARMS:
             instance = self._plant.GetModelInstanceByName(arm)
             names = ("palm", "elbow", "wrist")
             self._frames.append([self._plant.GetFrameByName(name, instance) for name in names])
             shoulder = self._plant.GetFrameByName("shoulder", instance)
-            self._shoulders.append(shoulder.CalcPoseInWorld(self._context).translation())
+            shoulders.append(shoulder.CalcPoseInWorld(self._context).translation())
             first = self._plant.GetJointByName("panda_joint1", instance).velocity_start()
             self._columns.append(slice(first, first + JOINTS_PER_ARM))
+        self.shoulders = np.array(shoulders)
         self.straight_elbow = self._straight_elbow()
+        self.arm_length = self._arm_length()
         self.chains = ArmChains(self._plant)
 
     def _straight_elbow(self) -> np.ndarray:
@@ -65,10 +69,21 @@ class DualArmKinematics:
         angles = np.empty(2)
         for arm, (_, *frames) in enumerate(self._frames):
             elbow, wrist = (frame.CalcPoseInWorld(self._context).translation() for frame in frames)
-            upper, fore = elbow - self._shoulders[arm], wrist - elbow
+            upper, fore = elbow - self.shoulders[arm], wrist - elbow
             # At 0 the links are parallel and the elbow, whose axis lies beside them, is past straight.
             angles[arm] = -np.arctan2(np.linalg.norm(cross(upper, fore)), upper @ fore)
         return angles
+
+    def _arm_length(self) -> np.ndarray:
+        """From the shoulder to the wrist of a straight arm, and from there to the palm, which turns about the wrist."""
+        q = np.zeros((2, JOINTS_PER_ARM))
+        q[:, 3] = self.straight_elbow
+        self._plant.SetPositions(self._context, q.ravel())
+        lengths = np.empty(2)
+        for arm, frames in enumerate(self._frames):
+            palm, _, wrist = (frame.CalcPoseInWorld(self._context).translation() for frame in frames)
+            lengths[arm] = np.linalg.norm(wrist - self.shoulders[arm]) + np.linalg.norm(palm - wrist)
+        return lengths
 
     def evaluate(self, q: np.ndarray) -> tuple[ArmState, ArmState]:
         """Both arms at q (14,)."""
@@ -79,7 +94,7 @@ class DualArmKinematics:
             jacobian = plant.CalcJacobianSpatialVelocity(context, JacobianWrtVariable.kV, palm, _ORIGIN, world, world)
             jacobians.append(jacobian[:, columns])
             poses.append(palm.CalcPoseInWorld(context))
-            points[0, arm] = self._shoulders[arm]
+            points[0, arm] = self.shoulders[arm]
             for i, frame in enumerate(frames, start=1):
                 points[i, arm] = frame.CalcPoseInWorld(context).translation()
         d_elbow, d_wrist = swivel_jacobians(*points)

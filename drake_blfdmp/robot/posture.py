@@ -48,7 +48,7 @@ def starting_postures(
     shape = count, 2, seeds
     rows = (np.broadcast_to(array, shape).ravel() for array in np.ix_(range(count), range(2), range(seeds)))
     which, arm, trial = rows
-    q, solved = _newton(kinematics, arm, guesses[arm, trial], pose[which, arm], swivel[which, arm])
+    q, solved = newton_postures(kinematics, arm, guesses[arm, trial], pose[which, arm], swivel[which, arm])
     # Joint 6 reaches beyond pi: whole turns are counted from the lower limit, not from -pi.
     q = lower[arm] + (q - lower[arm]) % (2 * np.pi)
     margin = np.where(solved, np.minimum(q - lower[arm], upper[arm] - q).min(axis=1), 0.0).reshape(shape)
@@ -58,7 +58,7 @@ def starting_postures(
     return [posture.ravel() if ok else None for posture, ok in zip(chosen, found, strict=True)]
 
 
-def _newton(kinematics, arm, guess, pose, swivel):
+def newton_postures(kinematics, arm, guess, pose, swivel):
     """Joints (n, 7) of n arms at palm poses (n, 7) and swivel angles (n,), joint 7 as guessed; and who got there."""
     normal = rotation_matrix(pose[:, :4].T)[:, 2].T
     q, solved = guess.copy(), np.zeros(len(guess), dtype=bool)

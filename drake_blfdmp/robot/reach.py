@@ -25,6 +25,10 @@ SPAN = np.array([0.5, 0.30, 0.80])
 
 SCALES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 SHIFTS = tuple(np.array([0.0, y, z]) for y in (0.0, 0.06, 0.12, -0.06) for z in (0.0, 0.1, -0.1))
+_STEPS = (0.0, 0.12, -0.12, 0.24, -0.24, 0.36, -0.36)
+WIDE = tuple(np.array([x, y, z]) for x in _STEPS[:5] for y in _STEPS[:5] for z in _STEPS)
+"""Where the middle of the motion is put, seen from `CENTRE`, m; and where it is where none of these will do."""
+
 SAMPLES = 60
 REMEDY = "shorten timing.approach_s and timing.retreat_s, or use a smaller box"
 POSE_TOLERANCE = 2e-3
@@ -214,6 +218,7 @@ def find_reach(
     sample_rate_hz: float = 0.0,
     remedy: str = REMEDY,
     turn: np.ndarray | None = None,
+    wide: bool = False,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Reach:
     """The largest scale at which the whole motion is reachable in comfort, and for it the place that needs least speed.
@@ -238,6 +243,7 @@ def find_reach(
         sample_rate_hz: what is found on `SAMPLES` samples has to hold on so many a second, too.
         remedy: what the error tells a person to do.
         turn: (N, 4) how what is held turns, as in `retarget_motion`; None where nothing tells.
+        wide: looks at many more places, as far as the arms are long; takes seconds a scale.
         progress: called with the share of the search that is done.
 
     Raises:
@@ -255,12 +261,14 @@ def find_reach(
 
     def candidates(s: float, calm: float) -> list[Retarget]:
         middle_now = 0.5 * (low + high) - person
-        places = [CENTRE + shift - s * middle_now for shift in SHIFTS] if world is None else [np.asarray(world)]
-        return [
+        shifts = WIDE if wide else SHIFTS
+        places = [CENTRE + shift - s * middle_now for shift in shifts] if world is None else [np.asarray(world)]
+        found = [
             calmed(Retarget(s, person, place, np.zeros(2), level, elbow_up, hands_scale=hands), calm, keep_yaw)
             for hands in hand_scales[s]
             for place in places
         ]
+        return _near_enough(kinematics, x, found, turn) if wide else found
 
     def tried(retargets: Sequence[Retarget], samples: int = SAMPLES) -> list[Reach]:
         found = evaluate_all(kinematics, limits, checker, t, x, retargets, anchor, samples, turn)
@@ -318,6 +326,14 @@ def find_reach(
     )
 
 
+def _near_enough(kinematics: DualArmKinematics, x, retargets: Sequence[Retarget], turn) -> list[Retarget]:
+    """Those that ask for no palm farther from its shoulder than an arm is long."""
+    few = np.linspace(0, len(x) - 1, SAMPLES).round().astype(int)
+    poses, _ = _palms(x[few], retargets, None if turn is None else turn[few])
+    near = np.linalg.norm(poses[..., 4:] - kinematics.shoulders, axis=-1) < kinematics.arm_length
+    return [retarget for retarget, ok in zip(retargets, near.all(axis=(1, 2)), strict=True) if ok]
+
+
 def _by_scale(
     scales: Sequence[float],
     candidates: Callable[[float], list[Retarget]],
@@ -327,7 +343,8 @@ def _by_scale(
     first = 0
     for size in (1, 2, len(scales)):
         chunk = scales[first : first + size]
-        reaches = tried([retarget for s in chunk for retarget in candidates(s)]) if chunk else []
+        asked = [retarget for s in chunk for retarget in candidates(s)]
+        reaches = tried(asked) if asked else []
         for s in chunk:
             yield s, [reach for reach in reaches if reach.retarget.scale == s]
         first += size

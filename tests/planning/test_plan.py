@@ -142,6 +142,14 @@ def test_a_box_that_no_allowed_force_holds_is_refused_before_anything_is_searche
     assert caught.value.reason == "force" and "finding a reachable place" not in seen
 
 
+def test_a_box_that_nothing_holds_is_planned_with_what_is_asked_where_force_is_not_heeded():
+    base = Scenario()
+    scenario = replace(base, box=BoxConfig(mass=12.0, friction=0.3), task=replace(base.task, squeeze_force=150.0))
+    plan = MakePlan(scenario, heed_force=False)
+    assert plan.squeeze_force == pytest.approx(150.0) and plan.box is not None and plan.box.mass == 12.0
+    assert not any("squeezed" in note for note in plan.notes)
+
+
 def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is_during_the_whole_carry(default_plan):
     task, rollout = default_plan.task, default_plan.coupled
     events, (grasped, released) = task.skill.events, task.held

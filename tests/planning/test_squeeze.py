@@ -12,6 +12,7 @@ from drake_blfdmp.planning.squeeze import (
     OVERSHOOT,
     UNEVEN,
     USUAL_FORCE,
+    AskedSqueeze,
     ChooseSqueeze,
     Compliances,
     NeededForce,
@@ -83,6 +84,14 @@ def test_what_comes_on_top_leaves_room_for_palms_that_bear_the_box_unevenly():
         else:
             assert chosen.force == pytest.approx(force)
     assert choose(uneven=np.full(3, 10.0)).force == pytest.approx(USUAL_FORCE)
+
+
+def test_what_is_asked_for_is_squeezed_where_nothing_is_heeded():
+    for task, force in ((TaskConfig(squeeze_force=150.0), 150.0), (TaskConfig(), USUAL_FORCE)):
+        squeeze = AskedSqueeze(task, COMPLIANCES)
+        assert squeeze.force == pytest.approx(force) == np.mean(forces(squeeze)) and squeeze.notes == ()
+    deep = AskedSqueeze(TaskConfig(squeeze=0.05, squeeze_force=10.0), COMPLIANCES)
+    assert deep.depth == 0.05 and deep.force == pytest.approx(np.mean(0.1 / COMPLIANCES))
 
 
 @pytest.mark.parametrize(

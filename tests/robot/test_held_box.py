@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from drake_blfdmp.robot import held_box
 from drake_blfdmp.robot.grasp_force import GRAVITY, PALM_RADIUS, least_squeeze
 from drake_blfdmp.robot.held_box import FOUNDATION, CarryQuasiStatically, HeldBox, MakePadPoints
 from drake_blfdmp.robot.plant import ARMS, ArmActuators, MakeKinematicPlant
@@ -123,3 +124,23 @@ def test_box_and_joints_are_in_equilibrium(plant, postures):
 def test_nothing_is_there_of_a_box_that_is_lost_at_once(plant, postures):
     hold = CarryQuasiStatically(plant, postures, np.full(len(postures), 0.01), box(20.0))
     assert hold.lost and hold.force.shape == (0, 2) and hold.effort.shape == (0, 14)
+
+
+def test_what_is_found_does_not_depend_on_the_viscosity_it_is_found_with(plant, postures, monkeypatch):
+    depths = np.full(len(postures), 0.013)
+    usual = CarryQuasiStatically(plant, postures, depths, box(2.0, centre=(0.01, 0.02, -0.03)))
+    for factor in (0.2, 5.0):
+        monkeypatch.setattr(held_box, "VISCOSITY", factor * 2e4)
+        other = CarryQuasiStatically(plant, postures, depths, box(2.0, centre=(0.01, 0.02, -0.03)))
+        np.testing.assert_allclose(other.force, usual.force, rtol=5e-3)
+        np.testing.assert_allclose(other.turned, usual.turned, atol=np.deg2rad(0.05))
+
+
+def test_palms_that_close_turn_a_box_on_its_table_as_they_would_without_one(plant, postures, monkeypatch):
+    """Arms yield unlike each other: palms move and turn, and the box with them, which the table only keeps upright."""
+    turned = []
+    for table in (held_box.TABLE, 0.0):
+        monkeypatch.setattr(held_box, "TABLE", table)
+        hold = CarryQuasiStatically(plant, postures[:1], np.array([0.02]), box())
+        turned.append(np.rad2deg(hold.turned[0, 2]))
+    assert abs(turned[1]) > 0.3 and turned[0] == pytest.approx(turned[1], rel=0.1)

@@ -3,9 +3,11 @@
 Drake's InverseKinematics from many starts, over a grid of places and over scales. Only what every plan must do is
 asked: both palms flat on the box's sides at samples of the way, and at both ends as far apart as they open. The palms'
 rolls are free at every sample, no margin from limits is asked, elbows are where they like, bodies may overlap, and no
-posture need lead to the next. So where this search finds nothing, no plan follows the way.
+posture need lead to the next. So where this search finds nothing, no plan follows the way. Where it finds something,
+`joined_postures` tells whether the arms get from one posture to the next.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 
@@ -121,18 +123,25 @@ class ReachSearch:
                 return np.asarray(result.GetSolution(ik.q()))[own]
         return None
 
-    def search(self, way: Way, spacing: float = SPACING, most: int = 1) -> tuple[list[tuple[np.ndarray, float]], int]:
+    def search(
+        self,
+        way: Way,
+        spacing: float = SPACING,
+        most: int = 1,
+        joined: Callable[[np.ndarray, float], bool] = lambda place, scale: True,
+    ) -> tuple[list[tuple[np.ndarray, float]], int, int]:
         """Places of the hands' middle at the grasp, m in W, with scales, at which every sample has its postures.
 
         Args:
             way: what is asked.
             spacing: of the grid of places, m.
             most: how many are enough.
+            joined: whether the arms get from posture to posture at a place and a scale; asked where there are some.
 
         Returns:
-            Those found, and how many pairs of a place and a scale were looked at.
+            Those found; how many pairs of a place and a scale were looked at; and how many had postures.
         """
-        found, tried = [], 0
+        found, tried, had = [], 0, 0
         axes = [np.arange(low, high + 1e-9, spacing) for low, high in zip(*REGION, strict=True)]
         # From the middle outwards: what is easy is found soon.
         places = sorted((np.array(place) for place in product(*axes)), key=lambda p: np.linalg.norm(p - MIDDLE))
@@ -144,14 +153,17 @@ class ReachSearch:
             for scale in reversed(SCALES):
                 middles = way.middles(place, scale)
                 failed = next((k for k in order[1:] if not self._sample(way, k, middles[k])), None)
-                if failed is None:
+                if failed is not None:
+                    order.remove(failed)
+                    order.insert(1, failed)
+                    continue
+                had += 1
+                if joined(place, scale):
                     found.append((place, scale))
                     break
-                order.remove(failed)
-                order.insert(1, failed)
             if len(found) >= most:
                 break
-        return found, tried
+        return found, tried, had
 
     def _sample(self, way: Way, k: int, middle: np.ndarray) -> bool:
         return all(self.facing(middle, apart, float(way.yaw[k])) is not None for apart in way.apart[k])

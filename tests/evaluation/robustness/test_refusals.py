@@ -102,26 +102,42 @@ def test_a_task_that_can_be_done_is_wrongly_refused(monkeypatch):
     assert right is False and "dropped" in evidence
 
 
-def test_a_force_that_is_refused_is_tried_with_the_greatest_squeeze_that_is_taken(monkeypatch):
+def test_what_is_refused_for_force_is_run_without_heed_of_it_squeeze_by_squeeze(monkeypatch):
     tried = []
 
-    def answer(scenario, limit):
-        tried.append(scenario)
-        refused = scenario.task.squeeze_force > 0.65 * limit
-        return (False, "the arms' strength", "force") if refused else (False, "The box was dropped.", "")
+    def drop(scenario, limit, *, heed_force):
+        tried.append((scenario, heed_force))
+        return False, "The box was dropped.", ""
 
-    monkeypatch.setattr(refusals, "run_anyway", answer)
-    heavy = replace(Scenario(), box=replace(Scenario().box, mass=9.0))
+    monkeypatch.setattr(refusals, "run_anyway", drop)
+    base = Scenario()
+    heavy = replace(
+        base,
+        box=replace(base.box, mass=9.0),
+        task=replace(base.task, squeeze=0.02),
+        reality=replace(base.reality, mass_scale=0.5, friction_scale=1.2),
+    )
     right, evidence = refusals.check_force(heavy)
-    assert right is True and "72 N" in evidence and "dropped" in evidence
-    assert [scenario.task.squeeze_force for scenario in tried] == pytest.approx([96.0, 84.0, 72.0])
-    # Told of a light box, given the heavy one.
-    assert tried[-1].box.mass < 0.01 and tried[-1].box.mass * tried[-1].reality.mass_scale == pytest.approx(9.0)
-    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, limit: (True, "carried with up to 90 N", ""))
-    assert refusals.check_force(heavy)[0] is False
-    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, limit: (False, "too strong", "force"))
-    right, evidence = refusals.check_force(heavy)
-    assert right is False and "not shown" in evidence
+    assert right is True and evidence.count("dropped") == len(refusals.SQUEEZES) and "84 N" in evidence
+    forces = [scenario.task.squeeze_force for scenario, _ in tried]
+    assert sorted(forces) == pytest.approx([48.0, 60.0, 72.0, 84.0, 96.0, 108.0])
+    for scenario, heeded in tried:
+        assert heeded is False and scenario.task.squeeze is None
+        # The box that the planner was told of.
+        assert scenario.box == heavy.box and (scenario.reality.mass_scale, scenario.reality.friction_scale) == (1, 1)
+
+
+def test_one_squeeze_that_carries_shows_that_a_refusal_for_force_is_wrong(monkeypatch):
+    def carry(scenario, limit, *, heed_force):
+        force = scenario.task.squeeze_force
+        return (True, "carried with up to 90 N", "") if force < 65.0 else (False, "carried, but with up to 130 N", "")
+
+    monkeypatch.setattr(refusals, "run_anyway", carry)
+    right, evidence = refusals.check_force(Scenario())
+    assert right is False and evidence == "squeezed with 60 N: carried with up to 90 N"
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, limit, heed_force: (False, "out of reach", "reach"))
+    right, evidence = refusals.check_force(Scenario())
+    assert right is False and evidence == "not shown: out of reach"
 
 
 @pytest.mark.parametrize(
