@@ -23,6 +23,9 @@ STARTS = 8
 ALIKE = 0.05
 """Postures that differ by less, rad, are taken for one."""
 
+FEW = 40
+"""Pairs of postures a sample that an easy way is got along with."""
+
 MOVE = 0.8
 """A joint that moves by more from a sample to the next, rad, jumps."""
 
@@ -50,6 +53,15 @@ class JoinedPostures:
             yaw: (K,) of the line between the palms, left to right, rad.
             apart: (K,) the palms' distance, m.
         """
+        # Where it is easy a few pairs do; only what fails so is looked at in full.
+        for most in (FEW, None):
+            got = self._reached(middles, yaw, apart, most)
+            if got == len(middles):
+                break
+        return got
+
+    def _reached(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, most: int | None) -> int:
+        """`reached` by at most so many pairs of postures a sample."""
         before, there = [np.empty((0, JOINTS_PER_ARM))] * 2, np.empty((0, 0), dtype=bool)
         for k, middle in enumerate(middles):
             normal = np.array([np.cos(yaw[k]), np.sin(yaw[k]), 0.0])
@@ -62,7 +74,7 @@ class JoinedPostures:
             else:
                 left, right = (_near(*two) for two in zip(before, now, strict=True))
                 possible = (left.T.astype(int) @ there.astype(int) @ right.astype(int)) > 0
-            there = self._free(now, possible)
+            there = self._free(now, possible, most)
             if not there.any():
                 return k
             before = now
@@ -83,12 +95,14 @@ class JoinedPostures:
         q = q[((q >= lower) & (q <= upper)).all(axis=1)]
         return q[np.unique(np.round(q / ALIKE), axis=0, return_index=True)[1]]
 
-    def _free(self, postures: list[np.ndarray], possible: np.ndarray) -> np.ndarray:
-        """Those of the possible pairs in which nothing overlaps."""
-        free = np.zeros_like(possible)
-        for left, right in zip(*np.nonzero(possible), strict=True):
+    def _free(self, postures: list[np.ndarray], possible: np.ndarray, most: int | None) -> np.ndarray:
+        """Those of the possible pairs in which nothing overlaps; the first so many in a random order."""
+        free, pairs = np.zeros_like(possible), np.argwhere(possible)
+        for left, right in pairs if most is None else np.random.default_rng(0).permutation(pairs):
             q = np.concatenate([postures[0][left], postures[1][right]])
             free[left, right] = self._checker.min_clearance(q)[0] >= 0.0
+            if most is not None and free.sum() >= most:
+                break
         return free
 
 

@@ -58,8 +58,8 @@ def test_what_is_out_of_reach_has_none(search):
 
 
 def test_the_whole_way_counts_and_one_table_has_one_height(search):
-    found, tried = search.search(EASY, spacing=0.2)
-    assert len(found) == 1 and tried >= 1
+    found, tried, had = search.search(EASY, spacing=0.2)
+    assert len(found) == 1 and tried >= 1 and had == 1
     place, scale = found[0]
     middles = EASY.middles(place, scale)
     np.testing.assert_allclose(middles[0], place)
@@ -81,7 +81,7 @@ def scenario_with(**offsets):
 
 def test_a_release_metres_away_is_rightly_refused(monkeypatch):
     monkeypatch.setattr(refusals, "ReachSearch", lambda: ReachSearch(starts=3))
-    monkeypatch.setattr(ReachSearch.search, "__defaults__", (0.3, 1))
+    monkeypatch.setattr(ReachSearch.search, "__defaults__", (0.3, *ReachSearch.search.__defaults__[1:]))
     right, evidence = check_reach(scenario_with(place_offset=[3.0, 0.0, 0.0]))
     assert right is True and "no postures" in evidence
 
@@ -94,6 +94,7 @@ def test_a_task_that_can_be_done_is_wrongly_refused(monkeypatch):
         return True, "carried with up to 70 N", ""
 
     monkeypatch.setattr(refusals, "run_anyway", succeed)
+    monkeypatch.setattr(refusals, "PLACES_TRIED", 1)
     right, evidence = check_reach(scenario_with(place_offset=[0.05, 0.0, 0.0]))
     assert right is False and "succeeds with retarget.scale=" in evidence
     assert tried[0].retarget.world is not None and tried[0].task.place_offset == [0.05, 0.0, 0.0]
@@ -145,7 +146,6 @@ def test_one_squeeze_that_carries_shows_that_a_refusal_for_force_is_wrong(monkey
     [
         ((False, "The box tilted by 30.0 degrees.", ""), True),
         ((True, "carried with up to 70 N", ""), False),
-        ((False, "the arms are in each other's way", "clearance"), False),
     ],
 )
 def test_what_is_refused_for_clearance_is_run_without_heed_of_it(monkeypatch, answer, right):
@@ -158,6 +158,32 @@ def test_what_is_refused_for_clearance_is_run_without_heed_of_it(monkeypatch, an
     monkeypatch.setattr(refusals, "run_anyway", run)
     found, evidence = refusals.check_clearance(Scenario())
     assert found is right and answer[1] in evidence and heeded == [False]
+
+
+def test_arms_in_each_others_way_are_looked_at_as_what_is_out_of_reach(monkeypatch):
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, heed_clearance: (False, "they overlap", "clearance"))
+    monkeypatch.setattr(refusals, "check_reach", lambda scenario: (True, "no postures along the way"))
+    assert refusals.check_clearance(Scenario()) == (True, "no postures along the way")
+
+
+def test_places_where_the_arms_do_not_get_along_are_none(search):
+    asked = []
+
+    def never(place, scale):
+        asked.append((tuple(place), scale))
+        return False
+
+    found, tried, had = search.search(EASY, spacing=0.4, joined=never)
+    assert found == [] and had == len(asked) == len(set(asked)) and tried >= had > 0
+    assert len({scale for _, scale in asked}) > 1  # Every scale is asked for.
+
+
+def test_a_reach_in_which_the_arms_overlap_is_rightly_refused(monkeypatch):
+    monkeypatch.setattr(refusals, "ReachSearch", lambda: ReachSearch(starts=3))
+    monkeypatch.setattr(ReachSearch.search, "__defaults__", (0.4, *ReachSearch.search.__defaults__[1:]))
+    monkeypatch.setattr(refusals.JoinedPostures, "reached", lambda self, middles, yaw, apart: refusals.SAMPLES - 1)
+    right, evidence = check_reach(scenario_with(place_offset=[0.05, 0.0, 0.0]))
+    assert right is True and "but the arms overlap or jump" in evidence
 
 
 def test_the_way_is_the_persons_and_the_boxs():
