@@ -84,19 +84,34 @@ class HeldSqueeze:
         if way.compliances is not None:
             self._share = way.compliances[few] * np.mean(1.0 / way.compliances)
 
-    def problem(self, depth: float, *, worse: float = 0.0, effort: float = EFFORT) -> Problem | None:
+    def problem(
+        self, depth: float, *, worse: float = 0.0, effort: float = EFFORT, at_best: bool = False
+    ) -> Problem | None:
         """What keeps a squeeze with palms so deep, m, from holding the box; None where nothing does.
+
+        How the box comes to lie between palms that close, and yield unlike each other, depends on its table: one that
+        holds it and one that lets it slide are both looked at.
 
         Args:
             worse: share by which the box is heavier and smoother than believed.
             effort: share of its limit that a motor may need.
+            at_best: it is enough where one of the two does not keep it.
         """
+        found = None
+        for slides in (False, True):
+            problem = self._problem(depth, worse, effort, slides)
+            if (problem is None) == at_best:
+                return problem
+            found = found or problem
+        return found
+
+    def _problem(self, depth: float, worse: float, effort: float, slides: bool) -> Problem | None:
         box = replace(self._box, mass=(1.0 + worse) * self._box.mass, friction=(1.0 - worse) * self._box.friction)
         friction = float(combined_friction(box.friction, PALM_FRICTION))
         held = HeldBox(box.width, box.mass, friction, np.array([0.0, 0.0, -self._way.below]))
         upward = np.tile([0.0, 0.0, self._way.acceleration], (len(self._postures), 1))
         depths = depth * self._share + self._deeper
-        hold = CarryQuasiStatically(self._way.plant, self._postures, depths, held, upward)
+        hold = CarryQuasiStatically(self._way.plant, self._postures, depths, held, upward, slides=slides)
         if hold.lost:
             return Problem("it slips", more_helps=True)
         if (turned := float(np.linalg.norm(hold.turned[:, :2], axis=1).max())) > TURNS:
@@ -132,7 +147,7 @@ class HeldSqueeze:
             depth = between if self.problem(between) is None else depth
             return depth, f"one {worse:.0%} heavier and smoother is not, and much more is too much for palms or motors"
         for depth, _ in reversed(told):  # What is too much for a motor rather than what slips.
-            if self.problem(depth, worse=-DOUBT, effort=DOUBTFUL_EFFORT) is None:
+            if self.problem(depth, worse=-DOUBT, effort=DOUBTFUL_EFFORT, at_best=True) is None:
                 return depth, f"though barely, and it may fail: {why}"
         return None, why
 

@@ -14,9 +14,10 @@ viscosity that thins, so that the limits follow the pressure: what comes to rest
 whose limit is passed slide, and stick where they come to (return mapping; Wriggers, Computational Contact Mechanics,
 2006).
 
-First the palms close, step by step, on a box that its table keeps upright and lets slide; then the box is carried from
-posture to posture. What differs from the simulated arms: no speed, no damping, no friction on the table, and a box that
-turns far is lost, which then may hang at an angle. It takes a hundredth of the simulation's time.
+First the palms close, step by step, on a box that its table keeps upright, and holds in its place or lets slide; then
+the box is carried from posture to posture. What differs from the simulated arms: no speed, no damping, a box that
+slides on its table a little, or lies there askew, and that one that turns far is lost, where it may hang at an angle.
+It takes a hundredth of the simulation's time.
 """
 
 from collections.abc import Sequence
@@ -27,11 +28,9 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from drake_blfdmp.robot.grasp_force import GRAVITY, PALM_RADIUS
+from drake_blfdmp.robot.grasp_force import GRAVITY
+from drake_blfdmp.robot.pad_points import FOUNDATION, MakePadPoints, PadPoints
 from drake_blfdmp.robot.plant import ARMS, DEFAULT_STIFFNESS, ArmActuators
-
-FOUNDATION = 1.0e6 / 0.0075
-"""Pressure over depth of the pad, N/m^3: its modulus over half its thickness (docs/contact.md)."""
 
 STICKING = 30.0
 """How many times stiffer than a pad's point is along its normal friction holds it; what sticks does not move."""
@@ -39,7 +38,7 @@ STICKING = 30.0
 CLOSING_STEPS = 8
 FIRST_GAP = 2e-4  # m, from which the palms close.
 TABLE = 1e7
-"""How stiffly a table keeps a box upright that is being taken, N/m and N m/rad."""
+"""How stiffly a table holds a box that is being taken, N/m and N m/rad."""
 
 LOST_M, LOST_RAD = 0.02, np.deg2rad(6.0)
 """A box that moves or turns by more in the palms is lost."""
@@ -60,23 +59,6 @@ LEVER = 0.1
 REPETITIONS = 80
 
 _BOX, _TURN = slice(14, 17), slice(17, 20)
-
-
-class PadPoints(NamedTuple):
-    """Points (N, 2), m, spread evenly over a pad in its palm's frame, and their share of its area, m^2."""
-
-    at: np.ndarray
-    area: float
-
-
-def MakePadPoints(count: int = 16) -> PadPoints:
-    """Of the hexagon with a vertex on x that stands for the pad in Drake's contact, `count` of them across."""
-    across = PALM_RADIUS * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
-    at = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2)
-    towards = np.deg2rad(30.0 + 60.0 * np.arange(6))
-    inside = (at @ np.stack([np.cos(towards), np.sin(towards)]) <= PALM_RADIUS * np.cos(np.deg2rad(30.0))).all(axis=1)
-    whole = 1.5 * np.sqrt(3.0) * PALM_RADIUS**2
-    return PadPoints(at[inside], whole / float(inside.sum()))
 
 
 @dataclass(frozen=True)
@@ -129,6 +111,8 @@ def CarryQuasiStatically(
     box: HeldBox,
     accelerations: np.ndarray | None = None,
     stiffness: Sequence[float] | np.ndarray = DEFAULT_STIFFNESS,
+    *,
+    slides: bool = False,
 ) -> Hold:
     """Closes on a box in the first of the postures and carries it through all.
 
@@ -139,14 +123,16 @@ def CarryQuasiStatically(
         box: what is held.
         accelerations: (N, 3) of the box in W, m/s^2; none when None.
         stiffness: (7,) of the joints, N m/rad.
+        slides: the box goes along when the palms close, as far as they yield unlike each other; else its table holds it
+            in its place.
     """
-    carry = _Carry(plant, box, np.tile(np.asarray(stiffness, dtype=float), 2))
+    carry = _Carry(box, np.tile(np.asarray(stiffness, dtype=float), 2))
     accelerations = np.zeros((len(postures), 3)) if accelerations is None else accelerations
     found: list[tuple] = []
     lost = False
     first = _Pads.at(plant, postures[0], carry.pad)
     for share in np.arange(1, CLOSING_STEPS + 1) / CLOSING_STEPS:
-        carry.step(first, share * depths[0] - (1.0 - share) * FIRST_GAP, np.zeros(3), on_table=True)
+        carry.close(first, share * depths[0] - (1.0 - share) * FIRST_GAP, slides)
     for q, depth, acceleration in zip(postures, depths, accelerations, strict=True):
         lost = not carry.step(_Pads.at(plant, q, carry.pad), depth, acceleration)
         if lost:
@@ -158,7 +144,7 @@ def CarryQuasiStatically(
 
 
 class _Pads(NamedTuple):
-    """How the pads' points move against the box with u: (2, N, 20) into it, (2, N, 2, 20) along its faces."""
+    """How the 2 N points of both pads move against the box with u: (2 N, 20) into it, (2 N, 2, 20) along its faces."""
 
     into: np.ndarray
     along: np.ndarray
@@ -184,28 +170,37 @@ class _Pads(NamedTuple):
             x, y, z = (axis @ move + np.cross(places, axis) @ turn for axis in axes)
             into.append(z)
             along.append(np.stack([x, y], axis=1))
-        return cls(np.array(into), np.array(along))
+        return cls(np.concatenate(into), np.concatenate(along))
 
 
 class _Carry:
     """The displacements, and where the pads' points stick."""
 
-    def __init__(self, plant: MultibodyPlant, box: HeldBox, stiffness: np.ndarray):
+    def __init__(self, box: HeldBox, stiffness: np.ndarray):
         self.pad, self._box, self._stiffness = MakePadPoints(), box, stiffness
         self._normal = FOUNDATION * self.pad.area
-        self._u, self._stuck = np.zeros(20), np.zeros((2, len(self.pad.at), 2))
-        self._pressure = np.zeros((2, len(self.pad.at)))
-        self._friction = np.zeros_like(self._stuck)
+        self._stick = STICKING * self._normal
+        points = 2 * len(self.pad.at)
+        self._u, self._pressure = np.zeros(20), np.zeros(points)
+        self._stuck, self._friction = np.zeros((points, 2)), np.zeros((points, 2))
 
-    def step(self, pads: _Pads, depth: float, acceleration: np.ndarray, *, on_table: bool = False) -> bool:
-        """Finds the equilibrium with palms that deep; False where there is none, for the box is lost."""
-        holding, load = np.zeros((20, 20)), np.zeros(20)
+    def close(self, pads: _Pads, depth: float, slides: bool) -> None:
+        """Finds the equilibrium with palms that deep in a box on its table, which lets it slide or holds it."""
+        holding = np.zeros((20, 20))
+        held = range(16, 19) if slides else range(14, 20)  # Its height and two of its turns, or all.
+        holding[held, held] = TABLE
+        self._settle(pads, depth, holding, np.zeros(20))
+
+    def step(self, pads: _Pads, depth: float, acceleration: np.ndarray) -> bool:
+        """Finds the equilibrium of a box that is held; False where there is none, for it is lost."""
+        load = np.zeros(20)
+        load[_BOX] = self._box.mass * (np.array([0.0, 0.0, -GRAVITY]) - acceleration)
+        load[_TURN] = np.cross(self._box.centre, load[_BOX])
+        return self._settle(pads, depth, np.zeros((20, 20)), load)
+
+    def _settle(self, pads: _Pads, depth: float, holding: np.ndarray, load: np.ndarray) -> bool:
+        """With what holds the box beside the palms (20, 20), and its load (20,)."""
         holding[range(14), range(14)] = self._stiffness
-        if on_table:
-            holding[range(16, 19), range(16, 19)] = TABLE  # Its height, and two of its turns.
-        else:
-            load[_BOX] = self._box.mass * (np.array([0.0, 0.0, -GRAVITY]) - acceleration)
-            load[_TURN] = np.cross(self._box.centre, load[_BOX])
         u, limit = self._u, self._box.friction * self._pressure
         for trial in range(REPETITIONS):
             before, slow = u, np.zeros(20)
@@ -225,44 +220,40 @@ class _Carry:
         self._u, self._pressure = u, pressure
         moved = pads.along @ u
         self._friction = self._held_back(moved - self._stuck, limit)[0]
-        stick = STICKING * self._normal
-        self._stuck = np.where(pressure[..., None] > 0.0, moved - self._friction / stick, moved)
+        self._stuck = np.where(pressure[:, None] > 0.0, moved - self._friction / self._stick, moved)
         return True
 
     def _held_back(self, slip: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Friction (..., 2) at slips (..., 2) from where points stick, its ratio to them, and whether they slide."""
-        stick, size = STICKING * self._normal, np.linalg.norm(slip, axis=-1)
-        slides = stick * size > limit
-        ratio = np.where(slides, np.where(slides, limit, 0.0) / np.maximum(size, 1e-15), stick)
+        size = np.linalg.norm(slip, axis=-1)
+        slides = self._stick * size > limit
+        ratio = np.where(slides, limit / np.maximum(size, 1e-15), self._stick)
         return ratio[..., None] * slip, ratio, slides
 
     def _least(self, u, pads: _Pads, depth: float, holding, load, limit) -> np.ndarray | None:
         """Newton's method with backtracking from u; None where the box falls out."""
-        stick = STICKING * self._normal
-        flat = pads.along.reshape(-1, 20)
+        into, along = pads
+        stick, stuck, flat = self._stick, self._stuck, along.reshape(-1, 20)
 
         def energy(u) -> float:
-            slip = np.linalg.norm(pads.along @ u - self._stuck, axis=-1)
-            bounded = np.where(np.isfinite(limit), limit, 0.0)
-            friction = np.where(stick * slip <= limit, 0.5 * stick * slip**2, bounded * (slip - 0.5 * bounded / stick))
-            depths = np.maximum(0.0, depth + pads.into @ u)
+            slip = np.linalg.norm(along @ u - stuck, axis=-1)
+            friction = np.where(stick * slip <= limit, 0.5 * stick * slip**2, limit * (slip - 0.5 * limit / stick))
+            depths = np.maximum(0.0, depth + into @ u)
             return float(0.5 * u @ holding @ u - load @ u + 0.5 * self._normal * (depths**2).sum() + friction.sum())
 
         value = energy(u)
         for _ in range(60):
-            depths = depth + pads.into @ u
-            touching = depths > 0.0
-            slip = pads.along @ u - self._stuck
+            depths = np.maximum(0.0, depth + into @ u)
+            slip = along @ u - stuck
             friction, ratio, slides = self._held_back(slip, limit)
-            slope = holding @ u - load + flat.T @ friction.ravel()
-            slope += self._normal * np.maximum(0.0, depths).ravel() @ pads.into.reshape(-1, 20)
+            slope = holding @ u - load + flat.T @ friction.ravel() + self._normal * depths @ into
             if np.linalg.norm(slope) < AT_REST_N:
                 return u
-            into = pads.into[touching]
+            touching = into[depths > 0.0]
             weights = ratio[..., None, None] * np.eye(2)
             away = slip / np.maximum(np.linalg.norm(slip, axis=-1, keepdims=True), 1e-15)
             weights -= np.where(slides, ratio, 0.0)[..., None, None] * away[..., :, None] * away[..., None, :]
-            curve = holding + self._normal * into.T @ into + flat.T @ (weights @ pads.along).reshape(-1, 20)
+            curve = holding + self._normal * touching.T @ touching + flat.T @ (weights @ along).reshape(-1, 20)
             way = -np.linalg.solve(curve + 1e-9 * np.eye(20), slope)
             share = 1.0
             while share > 1e-4 and energy(u + share * way) > value + 1e-4 * share * float(slope @ way) + 1e-12:
@@ -275,10 +266,10 @@ class _Carry:
 
     def state(self) -> tuple:
         """The numbers of `Hold` at the last posture."""
-        force = self._pressure.sum(axis=1)
-        centre = self._pressure @ self.pad.at / np.maximum(force, 1e-9)[:, None]
-        touching = (self._pressure > 0.0).mean(axis=1)
-        x, y = self._friction[..., 0], self._friction[..., 1]
-        torsion = (self.pad.at[:, 0] * y - self.pad.at[:, 1] * x).sum(axis=1)
+        pressure, friction = self._pressure.reshape(2, -1), self._friction.reshape(2, -1, 2)
+        force = pressure.sum(axis=1)
+        centre = pressure @ self.pad.at / np.maximum(force, 1e-9)[:, None]
+        touching = (pressure > 0.0).mean(axis=1)
+        torsion = (self.pad.at[:, 0] * friction[..., 1] - self.pad.at[:, 1] * friction[..., 0]).sum(axis=1)
         effort = -self._stiffness * self._u[:14]
-        return force, self._friction.sum(axis=1), torsion, centre, touching, effort, self._u[_BOX], self._u[_TURN]
+        return force, friction.sum(axis=1), torsion, centre, touching, effort, self._u[_BOX], self._u[_TURN]

@@ -71,10 +71,15 @@ def test_the_least_squeeze_is_that_of_the_simulated_arms(way, per_depth, mass, f
 def test_a_closed_loop_keeps_the_force_even_along_the_way(way, per_depth, monkeypatch):
     """Without it one depth presses the harder the stiffer the arms are."""
     seen, real = [], held_squeeze.CarryQuasiStatically
-    monkeypatch.setattr(held_squeeze, "CarryQuasiStatically", lambda *given: seen.append(real(*given)) or seen[-1])
+
+    def carry(*given, slides):
+        seen.append(real(*given, slides=slides))
+        return seen[-1]
+
+    monkeypatch.setattr(held_squeeze, "CarryQuasiStatically", carry)
     for one in (way, replace(way, compliances=None)):
         assert HeldSqueeze(one, BoxParameters(width=0.3), 120.0).problem(55.0 / per_depth) is None
-    even, uneven = (hold.force for hold in seen)
+    even, uneven = (hold.force for hold in seen[::2])
     assert np.ptp(even) < 0.1 * even.mean() < 0.5 * np.ptp(uneven)
     assert even.mean() == pytest.approx(uneven.mean(), rel=0.05)
 
@@ -152,7 +157,24 @@ def test_where_the_prediction_may_be_wrong_the_depth_is_found_and_the_doubt_is_t
     depth, told = held.find(per_depth, UNSURE)
     assert re.fullmatch(r"though barely, and it may fail: with 9\S+ N it slips, with 9\S+ N a motor needs .*", told)
     assert held.problem(depth) is not None
-    assert held.problem(depth, worse=-held_squeeze.DOUBT, effort=held_squeeze.DOUBTFUL_EFFORT) is None
+    doubtful = {"worse": -held_squeeze.DOUBT, "effort": held_squeeze.DOUBTFUL_EFFORT}
+    assert held.problem(depth, **doubtful, at_best=True) is None
+
+
+def test_a_box_that_its_table_holds_and_one_that_slides_are_both_looked_at(way, per_depth, monkeypatch):
+    held, real, fails = HeldSqueeze(way, BoxParameters(width=0.3), 120.0), held_squeeze.CarryQuasiStatically, set()
+
+    def carry(*given, slides):
+        hold = real(*given, slides=slides)
+        return replace(hold, lost=True) if slides in fails else hold
+
+    monkeypatch.setattr(held_squeeze, "CarryQuasiStatically", carry)
+    for failing, at_worst, at_best in ((set(), False, False), ({True}, True, False), ({False}, True, False),
+                                       ({True, False}, True, True)):  # fmt: skip
+        fails.clear()
+        fails.update(failing)
+        assert (held.problem(55.0 / per_depth) is not None) is at_worst
+        assert (held.problem(55.0 / per_depth, at_best=True) is not None) is at_best
 
 
 def test_a_box_that_rules_of_thumb_refuse_is_carried_where_it_is_predicted_to_hold(way, compliances, per_depth):
