@@ -16,27 +16,33 @@ ROWS = {
 """What is drawn of each palm or arm, and its axis."""
 
 
+MARKERS = ("o", "x")
+"""Of each prediction."""
+
+
 @style.styled
 def predicted_hold(
-    t: np.ndarray, simulated: Mapping[str, np.ndarray], at: np.ndarray, predicted: Mapping[str, np.ndarray]
+    t: np.ndarray,
+    simulated: Mapping[str, np.ndarray],
+    predicted: Mapping[str, tuple[np.ndarray, Mapping[str, np.ndarray]]],
 ) -> Figure:
     """A row for each of `ROWS`, both arms in it.
 
     Args:
         t: (N,) s.
         simulated: of each row (N, 2), left and right.
-        at: (M,) s.
-        predicted: the same at those (M, 2).
+        predicted: what it is called by -> times (M,), s, and the same at those (M, 2); two at most.
     """
-    figure = Figure(figsize=(style.COLUMN, 4.6))
+    figure = Figure(figsize=(style.COLUMN, 5.0))
     axes = figure.subplots(len(ROWS), 1, sharex=True)
     for axis, (name, label) in zip(axes, ROWS.items(), strict=True):
         for arm, look in enumerate((style.LEFT, style.RIGHT)):
             axis.plot(t, simulated[name][:, arm], **{**look, "label": f"{look['label']}, simulated"})
-            axis.plot(
-                at, predicted[name][:, arm], linestyle="none", marker="o", markersize=3.0, markerfacecolor="white",
-                color=look["color"], label=f"{look['label']}, predicted",
-            )  # fmt: skip
+            for marker, (called, (at, rows)) in zip(MARKERS, predicted.items(), strict=False):
+                axis.plot(
+                    at, rows[name][:, arm], linestyle="none", marker=marker, markersize=3.0, markerfacecolor="white",
+                    color=look["color"], label=f"predicted, {called}",
+                )  # fmt: skip
         axis.set_ylabel(label)
     style.finish_time_axis(axes[-1], t)
     style.legend_above(figure, axes[0], 2)
