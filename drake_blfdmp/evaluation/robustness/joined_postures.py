@@ -53,15 +53,13 @@ class JoinedPostures:
             yaw: (K,) of the line between the palms, left to right, rad.
             apart: (K,) the palms' distance, m.
         """
-        # Where it is easy a few pairs do; only what fails so is looked at in full.
-        for most in (FEW, None):
-            got = self._reached(middles, yaw, apart, most)
-            if got == len(middles):
-                break
-        return got
+        # Where it is easy a few pairs do; only where there were more is what fails so looked at in full.
+        got, all_pairs = self._reached(middles, yaw, apart, FEW)
+        return got if all_pairs or got == len(middles) else self._reached(middles, yaw, apart, None)[0]
 
-    def _reached(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, most: int | None) -> int:
-        """`reached` by at most so many pairs of postures a sample."""
+    def _reached(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, most: int | None) -> tuple[int, bool]:
+        """`reached` by at most so many pairs of postures a sample; and whether these were all that there are."""
+        all_pairs = True
         before, there = [np.empty((0, JOINTS_PER_ARM))] * 2, np.empty((0, 0), dtype=bool)
         for k, middle in enumerate(middles):
             normal = np.array([np.cos(yaw[k]), np.sin(yaw[k]), 0.0])
@@ -76,9 +74,10 @@ class JoinedPostures:
                 possible = (left.T.astype(int) @ there.astype(int) @ right.astype(int)) > 0
             there = self._free(now, possible, most)
             if not there.any():
-                return k
+                return k, all_pairs
+            all_pairs = all_pairs and (most is None or there.sum() < most)
             before = now
-        return len(middles)
+        return len(middles), all_pairs
 
     def _postures(self, arm: int, palm: np.ndarray, normal: np.ndarray, before: np.ndarray) -> np.ndarray:
         """An arm's postures (n, 7) at a palm's position and normal, joint 7 at 0."""
