@@ -32,6 +32,8 @@ class IkGains:
         pose: of the palm's pose error, 1/s.
         swivel: of the swivel error, 1/s.
         swivel_rate: largest swivel rate, rad/s.
+        swivel_return: largest rate at which a swivel error is taken back, rad/s: an elbow that a joint's limit has held
+            off comes back calmly.
         singular_value: below this the inverse is damped (m or rad per rad).
         damping: largest damping.
         null_floor: |J_psi n| below which the swivel fades out (near a straight arm, or where the null motion does
@@ -49,6 +51,7 @@ class IkGains:
     pose: float = 20.0
     swivel: float = 3.0
     swivel_rate: float = 1.0
+    swivel_return: float = 0.5
     singular_value: float = 0.05
     damping: float = 0.05
     null_floor: float = 0.15

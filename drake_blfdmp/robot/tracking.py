@@ -171,7 +171,8 @@ class DualArmTracker:
         if self._redundancy == "swivel":
             reserve = ENDLESS if previous is None else CORRECTION_SHARE * gains.null_acceleration
             along = [state.swivel_jacobian @ n for state, (_, n) in zip(states, inverses, strict=True)]
-            rates = swivel_rate + self._swivel_correction(swivel - now, along, reserve, time_step)
+            back = self._swivel_correction(swivel - now, along, reserve, time_step)
+            rates = swivel_rate + np.clip(back, -gains.swivel_return, gains.swivel_return)
             rates = np.clip(rates, -gains.swivel_rate, gains.swivel_rate)
         elbows = None if self._elbows is None else self._elbows.evaluate(q)
 

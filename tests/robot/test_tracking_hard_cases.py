@@ -146,6 +146,18 @@ def test_an_arm_that_is_asked_to_reach_beyond_its_length_stretches_and_comes_bac
     np.testing.assert_allclose(motion.q[-1], START, atol=0.05)
 
 
+@pytest.mark.parametrize("off", [0.8, -0.8])
+def test_an_elbow_that_was_held_off_comes_back_calmly(off):
+    """No faster than `swivel_return`, whatever the swivel's own rate may be, and all the way."""
+    pose, swivel = poses(START)
+    motion = run(lambda t: (pose, STILL, swivel + off * np.array([1.0, -1.0]), REST), 5.0)
+    gains = DEFAULT_GAINS
+    found = np.array([[state.swivel for state in KINEMATICS.evaluate(q)] for q in motion.q])
+    rates = np.abs(wrap(np.diff(found, axis=0))) / DT
+    assert 0.9 * gains.swivel_return < rates.max() < 1.02 * gains.swivel_return < gains.swivel_rate
+    np.testing.assert_allclose(wrap(found[-1] - swivel - off * np.array([1.0, -1.0])), 0.0, atol=0.02)
+
+
 @pytest.mark.parametrize("way", [(0.0, 2.0, 0.0), (0.0, 1.4, 1.4)])
 def test_a_goal_two_metres_away_and_back(way):
     pose, swivel = poses(START)
