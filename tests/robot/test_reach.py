@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.errors import TaskError
+from drake_blfdmp.robot import reach as reach_module
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.following import Following
 from drake_blfdmp.robot.kinematics import DualArmKinematics
@@ -16,6 +17,7 @@ from drake_blfdmp.robot.reach import (
     SCALES,
     SHIFTS,
     VELOCITY_SHARE,
+    WIDE,
     Reach,
     evaluate,
     find_reach,
@@ -128,6 +130,36 @@ def test_a_motion_too_large_for_a_fixed_scale_is_refused_with_how_far_off_it_is(
     with pytest.raises(TaskError, match=r"no place at scale 1 makes.*palms \d+ mm off.*or use a smaller box") as error:
         find_reach(TIME, lift_and_carry(lift=1.0), ANCHOR, scale=1.0, world=reach[0].retarget.world, **SEARCH)
     assert one_line(error)
+
+
+def test_a_wide_search_finds_what_is_nowhere_near_the_centre(monkeypatch):
+    """With the usual places moved out of reach; places that no arm is long enough for are not even looked at."""
+    motion = lift_and_carry(lift=0.3, carry=0.3)
+    monkeypatch.setattr(reach_module, "SHIFTS", (np.array([0.0, 2.0, 0.0]),))
+    with pytest.raises(TaskError, match="anywhere in front"):
+        find_reach(TIME, motion, ANCHOR, scale=1.0, **SEARCH)
+    looked_at, real = [], reach_module.evaluate_all
+
+    def evaluate_all(kinematics, limits, checker, t, x, retargets, *rest):
+        looked_at.extend(retargets)
+        return real(kinematics, limits, checker, t, x, retargets, *rest)
+
+    monkeypatch.setattr(reach_module, "evaluate_all", evaluate_all)
+    found = find_reach(TIME, motion, ANCHOR, scale=1.0, calms=(1.0,), wide=True, **SEARCH)
+    assert found.sound and 0 < len(looked_at) < len(WIDE)
+    for retarget in looked_at:
+        pose, *_ = retarget_motion(motion, 0 * motion, retarget)
+        assert (np.linalg.norm(pose[..., 4:] - KINEMATICS.shoulders, axis=-1) < KINEMATICS.arm_length + 1e-3).all()
+
+
+def test_no_palm_is_farther_from_its_shoulder_than_an_arm_is_long():
+    rng, lower, upper = np.random.default_rng(0), LIMITS.lower.copy(), LIMITS.upper.copy()
+    upper[[3, 10]] = KINEMATICS.straight_elbow
+    farthest = np.zeros(2)
+    for q in rng.uniform(lower, upper, (500, 14)):
+        for arm, state in enumerate(KINEMATICS.evaluate(q)):
+            farthest[arm] = max(farthest[arm], np.linalg.norm(state.position - KINEMATICS.shoulders[arm]))
+    assert (farthest <= KINEMATICS.arm_length).all() and (farthest > 0.8 * KINEMATICS.arm_length).all()
 
 
 def test_elbows_below_the_line_are_refused(reach):
