@@ -160,11 +160,15 @@ def MakePlan(
     # Calmer hands need less room on their tables, and a smaller scale leaves more room for what was moved: the box, and
     # how far its places are moved, keep their size in the world. At last, places are looked for farther around.
     shortest = trims[-1]
-    for wide in (False, True) if scenario.retarget.world is None else (False,):
+    for wide in (False, True):
+        # Where the arms get through, another place would not make them stronger.
+        if wide and (scenario.retarget.world is not None or any(error.reason == "force" for error in failures)):
+            break
         for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
             own = unmoved.get(shortest)
-            if scale > own.reach.retarget.scale if own else not wide:
-                continue  # The person's own motion does not suit the arms so.
+            suits = wide if own is None else scale <= own.reach.retarget.scale  # The person's own motion the arms.
+            if not suits:
+                continue
             try:
                 return tried(shortest, scale, wide)
             except TaskError as error:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.errors import TaskError
+from drake_blfdmp.planning import plan as plan_module
 from drake_blfdmp.planning.moved_carry import ShiftWindow
 from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.planning.planned import BelowPalms
@@ -148,6 +149,30 @@ def test_a_box_that_nothing_holds_is_planned_with_what_is_asked_where_force_is_n
     plan = MakePlan(scenario, heed_force=False)
     assert plan.squeeze_force == pytest.approx(150.0) and plan.box is not None and plan.box.mass == 12.0
     assert not any("squeezed" in note for note in plan.notes)
+
+
+@pytest.mark.parametrize(
+    ("reasons", "told", "farther"),
+    [
+        (("reach", "clearance", "reach"), "clearance", True),
+        (("clearance", "reach", "reach"), "clearance", True),
+        (("force", "reach", "clearance"), "force", False),  # Other places do not make the arms stronger.
+    ],
+)
+def test_of_all_that_failed_what_got_farthest_is_told_once_places_were_looked_for_farther_around(
+    monkeypatch, reasons, told, farther
+):
+    tried = []
+
+    def fail(scenario, source, kinematics, limits, progress, *, wide=False, **options):
+        reason = "reach" if wide else reasons[len(tried)]
+        tried.append(wide)
+        raise TaskError(f"{reason}: not with {scenario.timing.approach_s:g} s", reason=reason)
+
+    monkeypatch.setattr(plan_module, "MakeUnmoved", fail)
+    with pytest.raises(TaskError) as caught:
+        MakePlan(Scenario())
+    assert caught.value.reason == told and tried == [False] * 3 + [True] * farther
 
 
 def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is_during_the_whole_carry(default_plan):
