@@ -23,18 +23,6 @@ _FORCE_FIRST = np.array([3, 4, 5, 0, 1, 2])
 class TopicInputs(LeafSystem):
     """Declares input ports and says what is recorded of them, until the first sample.
 
-    .. pydrake_system::
-
-        name: TopicInputs
-        input_ports:
-        - <name given to AddVectorInput>
-        - <name given to AddVectorInputs>
-        - <name given to AddWrenchInput>
-        - <name given to AddWrenchInputs>
-        - <name given to AddMessageInput>
-        - <name given to AddTemplateInput>
-        - <name given to AddEventInput>
-
     A subclass has the file `_file`, and in it the channel of the events, `_events_channel`.
     """
 
