@@ -117,22 +117,24 @@ def test_what_cannot_be_held_is_told_with_its_forces(way, per_depth, box, limit,
     assert depth is None and re.search(told, why)
 
 
-@pytest.mark.parametrize(
-    ("mass", "friction", "usual", "most"), [(1.0, 0.8, 55.0, 80.0), (2.5, 0.6, 45.0, 75.0), (4.0, 0.5, 75.0, 110.0)]
-)
-def test_a_squeeze_in_which_a_worse_box_slips_is_made_harder_as_far_as_that_helps(
-    way, per_depth, mass, friction, usual, most
-):
-    held = HeldSqueeze(way, BoxParameters(width=0.3, mass=mass, friction=friction), 120.0)
-    force = per_depth * held.harder(usual / per_depth, most / per_depth, UNSURE)
-    step = (most - usual) / (held_squeeze.HARDER_TRIED - 1)
-    if held.problem(usual / per_depth, worse=UNSURE) is None:
-        assert force == usual
-    elif held.problem(force / per_depth, worse=UNSURE) is None:
-        assert usual < force <= most and held.problem((force - step) / per_depth, worse=UNSURE) is not None
-    else:
-        assert held.problem(force / per_depth) is None
-        assert force > most - 1e-9 or held.problem((force + step) / per_depth) is not None
+def test_a_squeeze_that_holds_a_worse_box_is_kept(way, per_depth):
+    held = HeldSqueeze(way, BoxParameters(width=0.3), 120.0)
+    assert held.harder(55.0 / per_depth, 80.0 / per_depth, UNSURE) == 55.0 / per_depth
+
+
+def test_a_squeeze_in_which_a_worse_box_slips_is_made_harder_until_it_holds(way, per_depth):
+    held = HeldSqueeze(way, BoxParameters(width=0.3, mass=2.5, friction=0.6), 120.0)
+    assert held.problem(45.0 / per_depth, worse=UNSURE).more_helps
+    depth, step = held.harder(45.0 / per_depth, 75.0 / per_depth, UNSURE), 30.0 / (held_squeeze.HARDER_TRIED - 1)
+    assert held.problem(depth, worse=UNSURE) is None and held.problem(depth) is None
+    assert held.problem(depth - step / per_depth, worse=UNSURE) is not None
+
+
+def test_where_nothing_holds_a_worse_box_it_is_squeezed_as_hard_as_palms_and_motors_bear(way, per_depth):
+    held = HeldSqueeze(way, HEAVY, 120.0)
+    depth, step = held.harder(75.0 / per_depth, 110.0 / per_depth, UNSURE), 35.0 / (held_squeeze.HARDER_TRIED - 1)
+    assert held.problem(depth, worse=UNSURE) is not None
+    assert held.problem(depth) is None and held.problem(depth + step / per_depth).more_helps is False
 
 
 def test_what_leaves_no_room_for_uneven_palms_is_squeezed_harder_where_it_is_predicted_to_be_borne(

@@ -127,14 +127,16 @@ def test_nothing_is_there_of_a_box_that_is_lost_at_once(plant, postures):
     assert hold.lost and hold.force.shape == (0, 2) and hold.effort.shape == (0, 14)
 
 
-def test_what_is_found_does_not_depend_on_the_viscosity_it_is_found_with(plant, postures, monkeypatch):
-    depths = np.full(len(postures), 0.013)
-    usual = CarryQuasiStatically(plant, postures, depths, box(2.0, centre=(0.01, 0.02, -0.03)))
-    for factor in (0.2, 5.0):
-        monkeypatch.setattr(held_box, "VISCOSITY", factor * 2e4)
-        other = CarryQuasiStatically(plant, postures, depths, box(2.0, centre=(0.01, 0.02, -0.03)))
-        np.testing.assert_allclose(other.force, usual.force, rtol=5e-3)
-        np.testing.assert_allclose(other.turned, usual.turned, atol=np.deg2rad(0.05))
+@pytest.mark.parametrize("factor", [0.2, 5.0])
+@pytest.mark.parametrize("name", ["VISCOSITY", "THINNEST"])
+def test_what_is_found_does_not_depend_on_the_viscosity_it_is_found_with(plant, postures, monkeypatch, name, factor):
+    depths, turning = np.full(len(postures), 0.013), box(2.0, centre=(0.01, 0.02, -0.03))
+    usual = CarryQuasiStatically(plant, postures, depths, turning)
+    monkeypatch.setattr(held_box, name, factor * getattr(held_box, name))
+    other = CarryQuasiStatically(plant, postures, depths, turning)
+    assert not usual.lost and not other.lost
+    np.testing.assert_allclose(other.force, usual.force, rtol=5e-3)
+    np.testing.assert_allclose(other.turned, usual.turned, atol=np.deg2rad(0.05))
 
 
 def test_palms_that_close_turn_a_box_that_slides_as_they_would_without_a_table(plant, postures, monkeypatch):
