@@ -85,16 +85,26 @@ def EndYaws(rollout: Rollout, task: Task, retarget: Retarget) -> tuple[float, fl
     return float(yaw[0]), float(yaw[1])
 
 
+SHORTEST = 0.5
+"""Least time, s, in which a carry is moved."""
+
+
 def ShiftWindow(rollout: Rollout, task: Task, same_level: bool) -> tuple[float, float]:
-    """When the release may be shifted: the whole carry, or only while the box is above both tables, if it ever is."""
+    """When the release may be shifted: while the box is above both tables, or the whole carry.
+
+    The latter where one table serves both ends, and where the box gets above both so late that less than `SHORTEST` is
+    left.
+    """
     first, last = (IndexAt(rollout, t) for t in task.held)
-    events = task.skill.events
+    carry = task.skill.events["grasp_end"], task.skill.events["release"]
     if same_level:
-        return events["grasp_end"], events["release"]
+        return carry
     z = HandsMiddle(rollout)[first : last + 1, 2]
     higher = max(z[0], z[-1])
     above = np.flatnonzero(z > higher + 0.5 * (z.max() - higher)) + first
     if len(above) == 0:
-        return events["grasp_end"], events["release"]
-    start, end = float(rollout.t[above[0]]), float(rollout.t[above[-1]])
-    return max(start, events["grasp_end"]), min(max(end, start + 0.5), events["release"])
+        return carry
+    start, end = (float(rollout.t[k]) for k in above[[0, -1]])
+    start = max(start, carry[0])
+    end = min(max(end, start + SHORTEST), carry[1])
+    return (start, end) if end - start >= SHORTEST - 1e-9 else carry

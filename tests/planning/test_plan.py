@@ -189,6 +189,9 @@ def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is
     assert events["grasp_end"] < start < end < events["release"]
     for straight in (share, -share):  # Straight up on to a shelf, or straight down from one.
         assert window(straight) == (events["grasp_end"], events["release"])
+    # A highest point next to the end, as a rollout's last millimetres make one, leaves no time to move the box in.
+    late = window(share + 0.1 * np.exp(-(((share - 0.97) / 0.02) ** 2)))
+    assert late == (events["grasp_end"], events["release"])
 
 
 def test_take_offset_moves_the_start_by_exactly_that_and_the_goal_only_in_height(default_plan):
