@@ -7,6 +7,7 @@ arms' capsules are found here first.
 import numpy as np
 from pydrake.geometry import Capsule, GeometryId, SceneGraphInspector
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context
 
 from drake_blfdmp.vectors import dot
@@ -39,7 +40,11 @@ class CapsulePairs:
         ]
         ids = sorted({id for pair in self.pairs for id in pair}, key=GeometryId.get_value)
         row = {id.get_value(): k for k, id in enumerate(ids)}
-        self._bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(id)) for id in ids]
+        carriers = [plant.GetBodyFromFrameId(inspector.GetFrameId(id)) for id in ids]
+        indices = [int(body.index()) for body in carriers]
+        bodies, self._carrier = np.unique(indices, return_inverse=True)
+        self._bodies = [carriers[indices.index(index)] for index in bodies]
+        self._instances = np.array([int(body.model_instance()) for body in carriers], dtype=int)
         self._ends, self._radii = np.empty((len(ids), 2, 3)), np.empty(len(ids))
         for k, id in enumerate(ids):
             shape, X_BG = inspector.GetShape(id), inspector.GetPoseInFrame(id)
@@ -54,11 +59,11 @@ class CapsulePairs:
 
     def distances(self, context: Context) -> np.ndarray:
         """Signed distances, m, of `pairs`, negative where they overlap."""
-        return self._signed(self._ends_in_world(context), np.arange(len(self.pairs)))
+        return self._signed(self.ends(context), np.arange(len(self.pairs)))
 
     def deepest(self, context: Context) -> tuple[float, tuple[GeometryId, GeometryId]] | None:
         """The pair that overlaps most and its negative distance, m; None where no pair overlaps."""
-        ends = self._ends_in_world(context)
+        ends = self.ends(context)
         apart = (ends.sum(axis=1)[self._first] - ends.sum(axis=1)[self._second]) * 0.5
         near = np.flatnonzero(dot(apart, apart) <= self._spheres)
         signed = self._signed(ends, near)
@@ -66,10 +71,44 @@ class CapsulePairs:
             return None
         return float(signed.min()), self.pairs[near[signed.argmin()]]
 
-    def _ends_in_world(self, context: Context) -> np.ndarray:
+    def overlapping(self, one: ModelInstanceIndex, other: ModelInstanceIndex, ends_one, ends_other) -> np.ndarray:
+        """Which of n postures of a model overlap which of m of another, or themselves: (n, m).
+
+        Args:
+            one: a model.
+            other: another; the plant's capsules are theirs.
+            ends_one: (n, G, 2, 3) `ends` in n postures of the one, m.
+            ends_other: (m, G, 2, 3) in m postures of the other, m.
+        """
+        models = self._instances[self._first], self._instances[self._second]
+        own = [
+            self._any_overlap(ends, np.flatnonzero((models[0] == int(model)) & (models[1] == int(model))))
+            for model, ends in ((one, ends_one), (other, ends_other))
+        ]
+        overlap = own[0][:, None] | own[1]
+        for pair in np.flatnonzero(models[0] != models[1]):
+            mine, its = self._first[pair], self._second[pair]
+            if self._instances[mine] != int(one):
+                mine, its = its, mine
+            a, b, c, d = ends_one[:, mine, 0], ends_one[:, mine, 1], ends_other[:, its, 0], ends_other[:, its, 1]
+            apart = 0.5 * ((a + b)[:, None] - (c + d))
+            i, j = np.nonzero(~overlap & (dot(apart, apart) <= self._spheres[pair]))
+            radii = self._radii[mine] + self._radii[its]
+            overlap[i, j] = segment_distances(a[i], b[i], c[j], d[j]) <= radii
+        return overlap
+
+    def _any_overlap(self, ends: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """Whether any of the chosen pairs overlaps, in n postures with `ends` (n, G, 2, 3): (n,)."""
+        first, second = self._first[chosen], self._second[chosen]
+        a, b, c, d = (ends[:, rows, i] for rows in (first, second) for i in range(2))
+        return np.any(segment_distances(a, b, c, d) <= self._radii[first] + self._radii[second], axis=1)
+
+    def ends(self, context: Context) -> np.ndarray:
+        """Where each of the G capsules' segments ends: (G, 2, 3), m in W."""
         poses = [self._plant.EvalBodyPoseInWorld(context, body) for body in self._bodies]
-        turns = np.array([pose.rotation().matrix() for pose in poses])
-        return np.array([pose.translation() for pose in poses])[:, None] + self._ends @ turns.swapaxes(1, 2)
+        turns = np.array([pose.rotation().matrix() for pose in poses])[self._carrier]
+        origins = np.array([pose.translation() for pose in poses])[self._carrier]
+        return origins[:, None] + self._ends @ turns.swapaxes(1, 2)
 
     def _signed(self, ends: np.ndarray, chosen: np.ndarray) -> np.ndarray:
         first, second = self._first[chosen], self._second[chosen]

@@ -126,3 +126,25 @@ class ClearanceChecker:
             if pair.distance < closest and pair.id_A not in ignored and pair.id_B not in ignored:
                 closest, names = pair.distance, (self._name[pair.id_A], self._name[pair.id_B])
         return float(closest), names
+
+    def overlapping(self, left, right) -> np.ndarray:
+        """In which pairs of n postures of the left arm and m of the right one capsules overlap, of one arm or of both.
+
+        What has no capsules does not count: palms' rims, pedestals, tables and the box (`min_clearance`).
+
+        Args:
+            left: (n, 7) rad.
+            right: (m, 7) rad.
+
+        Returns:
+            (n, m) booleans.
+        """
+        ends = [
+            np.array([self._ends(arm, q) for q in postures])
+            for arm, postures in zip(self._arms, (left, right), strict=True)
+        ]
+        return self._capsules.overlapping(*self._arms, *ends)
+
+    def _ends(self, arm, q) -> np.ndarray:
+        self.plant.SetPositions(self._plant_context, arm, q)
+        return self._capsules.ends(self._plant_context)

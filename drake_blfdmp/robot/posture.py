@@ -58,12 +58,12 @@ def starting_postures(
     return [posture.ravel() if ok else None for posture, ok in zip(chosen, found, strict=True)]
 
 
-def newton_postures(kinematics, arm, guess, pose, swivel):
+def newton_postures(kinematics, arm, guess, pose, swivel, iterations: int = ITERATIONS):
     """Joints (n, 7) of n arms at palm poses (n, 7) and swivel angles (n,), joint 7 as guessed; and who got there."""
     normal = rotation_matrix(pose[:, :4].T)[:, 2].T
     q, solved = guess.copy(), np.zeros(len(guess), dtype=bool)
     rows = np.arange(len(q))
-    for _ in range(ITERATIONS):
+    for _ in range(iterations):
         rotation, position, jacobian, psi, along = kinematics.chains.evaluate(arm[rows], q[rows])
         z, wanted = rotation[..., 2], normal[rows]
         turn = np.where((dot(z, wanted) > -0.9)[:, None], cross(z, wanted), rotation[..., 0])

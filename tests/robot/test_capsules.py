@@ -44,3 +44,14 @@ def test_the_deepest_overlap_is_the_least_of_all_distances():
             assert distance == found[0] == all_pairs.min() and all(names)
             overlaps += 1
     assert overlaps > 5
+
+
+def test_pairs_of_postures_overlap_where_one_after_the_other_does():
+    checker, rng = ClearanceChecker(), np.random.default_rng(3)
+    left, right = (HOME + rng.uniform(-1.2, 1.2, (count, 7)) for count in (12, 9))
+    left[0, [1, 3, 5]] = 1.7, -3.0, 3.7  # Folded into itself.
+    found = checker.overlapping(left, right)
+    assert found.shape == (12, 9) and found[0].all() and 0.1 < found[1:].mean() < 0.9
+    for i, j in np.ndindex(found.shape):
+        checker.min_clearance(np.concatenate([left[i], right[j]]))
+        assert found[i, j] == (checker._capsules.deepest(checker._plant_context) is not None)

@@ -78,7 +78,7 @@ def check_reach(scenario: Scenario) -> tuple[bool, str]:
         yaw = share * np.clip(fine.yaw, -LARGEST_YAW, LARGEST_YAW)
 
         def gets_along(place: np.ndarray, scale: float, yaw: np.ndarray = yaw) -> bool:
-            return joined.reached(fine.middles(place, scale), yaw, apart) == SAMPLES
+            return joined.get_along(fine.middles(place, scale), yaw, apart)
 
         places, *counts = search.search(every_other(replace(fine, yaw=yaw)), most=PLACES_TRIED, joined=gets_along)
         looked_at, had = looked_at + counts[0], had + counts[1]

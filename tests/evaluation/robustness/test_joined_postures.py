@@ -69,3 +69,14 @@ def test_a_jump_is_none(joined, monkeypatch):
     middles = along(EASY, EASY + RISE)
     monkeypatch.setattr(joined_postures, "MOVE", 0.01)
     assert reached(joined, middles) == 1
+
+
+def test_where_another_way_failed_says_nothing_of_one_that_goes_well():
+    joined, yaw, apart = JoinedPostures(), np.zeros(SAMPLES), np.full(SAMPLES, 0.3)
+    middles = along(EASY, EASY + RISE)
+    for k in (4, 4, 8, 0, 2):  # The second time it is looked at there first.
+        broken = middles.copy()
+        broken[k, 1] = 1.6
+        assert not joined.get_along(broken, yaw, apart)
+        assert joined.get_along(middles, yaw, apart)
+        assert joined.get_along(middles[:2], yaw[:2], apart[:2])  # A way that ends before.
