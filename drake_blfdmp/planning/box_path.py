@@ -90,6 +90,31 @@ def CarriedSlower(motion: TaskMotion, factor: float) -> TaskMotion:
     return replace(motion, t=t, x=x, recorded=np.interp(old, motion.t, motion.recorded), events=events, turn=turn)
 
 
+def LedOver(motion: TaskMotion, above: float) -> tuple[TaskMotion, tuple[float, float]]:
+    """The motion with its carry's heights replaced: up in a third of its time, along a level, and down in a third.
+
+    For a way that gets above both of its ends nowhere, or only at its end.
+
+    Args:
+        motion: what is taught.
+        above: height of the level over the higher end, m.
+
+    Returns:
+        The motion, all of its points moved alike, and from when to when it is on the level, s.
+    """
+    first, last = (motion.events[name] for name in ("grasp_end", "release"))
+    third = (last - first) / 3.0
+    z = 0.5 * (motion.x[:, 2, 2] + motion.x[:, 5, 2])
+    start, end = np.interp([first, last], motion.t, z)
+    level = max(start, end) + above
+    up, down = (smooth_step((motion.t - begin) / third)[0] for begin in (first, last - third))
+    led = start + up * (level - start) + down * (end - level)
+    held = (motion.t >= first) & (motion.t <= last)
+    x = motion.x.copy()
+    x[..., 2] += np.where(held, led - z, 0.0)[:, None]
+    return replace(motion, x=x), (first + third, last - third)
+
+
 def UpOverDown(motion: TaskMotion, window: tuple[float, float]) -> TaskMotion:
     """The motion with the hands' middle led over the ground only within a window of times, s, while the box is held.
 

@@ -89,22 +89,26 @@ SHORTEST = 0.5
 """Least time, s, in which a carry is moved."""
 
 
-def ShiftWindow(rollout: Rollout, task: Task, same_level: bool) -> tuple[float, float]:
-    """When the release may be shifted: while the box is above both tables, or the whole carry.
-
-    The latter where one table serves both ends, and where the box gets above both so late that less than `SHORTEST` is
-    left.
+def AboveBoth(rollout: Rollout, task: Task) -> tuple[float, float] | None:
+    """When the box is above both of its ends, from s to s; None where it never is, or gets there so late that less
+    than `SHORTEST` is left.
     """
     first, last = (IndexAt(rollout, t) for t in task.held)
-    carry = task.skill.events["grasp_end"], task.skill.events["release"]
-    if same_level:
-        return carry
+    begin, finish = task.skill.events["grasp_end"], task.skill.events["release"]
     z = HandsMiddle(rollout)[first : last + 1, 2]
     higher = max(z[0], z[-1])
     above = np.flatnonzero(z > higher + 0.5 * (z.max() - higher)) + first
     if len(above) == 0:
-        return carry
+        return None
     start, end = (float(rollout.t[k]) for k in above[[0, -1]])
-    start = max(start, carry[0])
-    end = min(max(end, start + SHORTEST), carry[1])
-    return (start, end) if end - start >= SHORTEST - 1e-9 else carry
+    start = max(start, begin)
+    end = min(max(end, start + SHORTEST), finish)
+    return (start, end) if end - start >= SHORTEST - 1e-9 else None
+
+
+def ShiftWindow(rollout: Rollout, task: Task, same_level: bool) -> tuple[float, float]:
+    """When the release may be shifted: while the box is above both ends; the whole carry where it is not, or where one
+    table serves both.
+    """
+    above = None if same_level else AboveBoth(rollout, task)
+    return above or (task.skill.events["grasp_end"], task.skill.events["release"])

@@ -5,16 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from drake_blfdmp.errors import TaskError
-from drake_blfdmp.planning.box_path import UpOverDown
-from drake_blfdmp.planning.carried_box import CarriedBox
-from drake_blfdmp.planning.carry_height import NOTED, KeptUp, RaisedToLift, carried, hands_middle, rise
+from drake_blfdmp.planning.carry import Carry, CarryPlanner
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.held_squeeze import HeldSqueeze, Way
-from drake_blfdmp.planning.moved_carry import CarryEnds, EndYaws, FindReachAgain, HandsMiddle, ShiftWindow
+from drake_blfdmp.planning.moved_carry import EndYaws, FindReachAgain
 from drake_blfdmp.planning.open_palms import ROOM, CheckOpenPalms
 from drake_blfdmp.planning.planned import (
     AdaptationNotes,
-    IndexAt,
     Plan,
     Progress,
     TurnNotes,
@@ -34,8 +31,7 @@ from drake_blfdmp.planning.squeeze import (
     Strengths,
 )
 from drake_blfdmp.planning.steadied_task import MakeSteadiedTask
-from drake_blfdmp.planning.supports import Ends, ShiftForSupports
-from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, MakeTask, Raised, RollOutTask, Shifted
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, RollOutTask
 from drake_blfdmp.planning.unmoved import MakeUnmoved, Unmoved
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
@@ -48,15 +44,6 @@ from drake_blfdmp.skill.rollout import Rollout
 
 CLEARANCE = 0.008
 """Least distance, m, a plan keeps between bodies that must not touch."""
-
-RAISED = 0.04
-"""How much higher, m, a carry becomes that still has too little room over the tables."""
-
-ROOM_NOTES = (
-    "carried straight up, over and straight down, as the person's way leads the box against a table",
-    f"carry raised by {1000 * RAISED:.0f} mm to clear the tables",
-)
-"""What is done, one after the other, where the carried box comes too near to a table."""
 
 YAW_TOLERANCE = np.deg2rad(2.0)
 """How much less than asked for the box may be turned, rad."""
@@ -183,90 +170,26 @@ def _plan(scenario, source, box, arms, progress, heed, unmoved: Unmoved, scale: 
     plant, kinematics, limits = arms
     heed_clearance, heed_force = heed
     motion, task, coupled, reach = unmoved.motion, unmoved.task, unmoved.coupled, unmoved.reach
-    anchor, same_level, notes = unmoved.anchor, unmoved.same_level, []
+    anchor, same_level = unmoved.anchor, unmoved.same_level
     calm = {} if scale is None else {"calms": CALM[-1:], "wide": wide}
     if scale is not None:
         reach = unmoved.at_scale(scenario, kinematics, limits, progress, scale, **calm)
     if yaw := scenario.task.place_rotation[2]:
         turned = (unmoved.not_turned, (task, coupled))
         CheckYaw(yaw, *(EndYaws(rollout, of, reach.retarget)[1] for of, rollout in turned))
-    moved = bool(np.any([scenario.task.take_offset, scenario.task.place_offset]))
 
     def again(coupled: Rollout, before: Retarget, stay: bool) -> Reach:
         return FindReachAgain(scenario, coupled, anchor, kinematics, limits, progress, before, stay=stay, **calm)
 
-    def carried_box(retarget: Retarget) -> CarriedBox:
-        return CarriedBox(box, retarget, scenario.task.grasp_above, same_level)
-
-    # The shift is known in the world; the skill needs it in the person's frame, so it depends on the scale.
-    take, place = (np.asarray(offset) for offset in (scenario.task.take_offset, scenario.task.place_offset))
-    least, raised_by, kept_up = scenario.task.least_lift, 0.0, 0.0
-    for trial in range(2):
-        ends = CarryEnds(coupled, task, reach.retarget)
-        if same_level:
-            place[2] = take[2]  # The table's height is the grasp's.
-        asked = Ends(ends.grasp + take, ends.release + place, ends.top + max(take[2], place[2]))
-        shift = ShiftForSupports(asked, box, EndYaws(coupled, task, reach.retarget), same_level)
-        change = shift.release + place - take
-        # The law lifts the hands a little more or less than they are taught.
-        way = HandsMiddle(coupled)[slice(*(IndexAt(coupled, t) for t in task.held))]
-        added = rise(way) - rise(hands_middle(motion)[slice(*carried(motion))])
-        scale, window = reach.retarget.scale, ShiftWindow(coupled, task, same_level)
-        changed = np.any(np.abs(np.append(change, take)) > 1e-5) or shift.raise_by > 0
-        if changed:
-            motion = replace(motion, x=motion.x + take / scale)  # And from there to the place, while it is carried.
-            motion = Raised(Shifted(motion, change / scale, window), shift.raise_by / scale, window)
-        if shift.sentence and trial == 0:
-            notes.append(shift.sentence)
-        motion, lifted = RaisedToLift(motion, least / scale - added if least else 0.0)
-        raised_by += scale * lifted
-        if not changed and lifted == 0.0:
-            break
-        task = MakeTask(scenario, source, motion)
-        coupled = RollOutTask(scenario, task)
-        if not same_level or moved or lifted * scale > NOTED:
-            reach = again(coupled, reach.retarget, moved or trial > 0)
-        take, place = np.zeros(3), np.zeros(3)
-    if raised_by > NOTED:
-        notes.append(f"carry raised by {1000 * raised_by:.0f} mm, to lift the box clearly (task.least_lift)")
-    for trial in range(len(ROOM_NOTES) + 1):
-        for _ in range(2):  # The skill follows what it is taught not quite.
-            held = slice(*(IndexAt(coupled, t) for t in task.held))
-            way = reach.retarget.point(HandsMiddle(coupled)[held])
-            motion, more = KeptUp(motion, coupled.t[held], way, reach.retarget.scale)
-            if more == 0.0:
-                break
-            kept_up = max(kept_up, more)
-            task = MakeTask(scenario, source, motion)
-            coupled = RollOutTask(scenario, task)
-            reach = again(coupled, reach.retarget, True)
-        lacking = carried_box(reach.retarget).lacking_room(task, coupled)
-        worst = int(np.argmax(lacking))
-        if lacking[worst] <= 0.0 or (trial == len(ROOM_NOTES) and not heed_clearance):
-            break
-        if trial == len(ROOM_NOTES):
-            raise TaskError(
-                f"clearance: the carried box would be {1000 * lacking[worst]:.0f} mm too near to a table "
-                f"{100 * worst / len(lacking):.0f} % of the way; choose another place with task.place_offset, or a "
-                "part that lifts it higher with task.held",
-                reason="clearance",
-            )
-        if trial == 0:
-            motion = UpOverDown(motion, ShiftWindow(coupled, task, False))
-        else:
-            carry = motion.events["grasp_end"], motion.events["release"]
-            motion = Raised(motion, RAISED / reach.retarget.scale, carry)
-        notes.append(ROOM_NOTES[trial])
-        task = MakeTask(scenario, source, motion)
-        coupled = RollOutTask(scenario, task)
-        reach = again(coupled, reach.retarget, moved)
-    if kept_up:
-        notes.append(f"carry kept above the tables near its ends, by up to {1000 * kept_up:.0f} mm higher than it was")
+    planner = CarryPlanner(scenario, source, box, same_level, again)
+    carry = planner.moved(Carry(motion, task, coupled, reach))
+    carry = planner.with_room(carry, heed_clearance)
+    motion, task, coupled, reach, notes = carry.motion, carry.task, carry.coupled, carry.reach, list(carry.notes)
     stretch = scenario.task.duration_scale or reach.stretch
     held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])
     postures = reach.following.q[held]
     compliances = Compliances(plant, postures)
-    in_palms = carried_box(reach.retarget)
+    in_palms = planner.in_palms(reach.retarget)
     acceleration = in_palms.largest_acceleration(task, coupled) / stretch**2
     if heed_force:
         strengths = [Strengths(plant, postures, box.mass, share) for share in (EVEN, UNEVEN)]

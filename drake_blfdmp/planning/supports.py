@@ -77,8 +77,13 @@ def ShiftForSupports(ends: Ends, box: BoxParameters, yaws: tuple[float, float], 
             f"release moved {1000 * abs(forward):.0f} mm {'forward' if forward > 0 else 'back'} to a table of its own"
         )
     if lift:
-        parts.append(f"carry raised by {1000 * lift:.0f} mm to clear the higher table")
+        parts.append(RaiseSentence(lift))
     return Shift(np.array([0.0, forward, 0.0]), lift, ", ".join(parts))
+
+
+def RaiseSentence(lift: float, more: bool = False) -> str:
+    """What raising the middle of a carry, m, is for, for people; `more` where it has been raised before."""
+    return f"carry raised by {1000 * lift:.0f} mm {'more ' if more else ''}to clear the higher table"
 
 
 def MakeSupports(X_start, X_goal, box: BoxParameters, same_level: bool) -> list[TableParameters]:

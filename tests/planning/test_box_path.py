@@ -1,5 +1,7 @@
 """The carried box and the tables: how far apart, how much room is lacking, and the way up, over and down."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,7 +10,7 @@ from scipy.optimize import lsq_linear
 from scipy.spatial.transform import Rotation
 
 from drake_blfdmp.demonstration.timing import TaskMotion
-from drake_blfdmp.planning.box_path import OVER_S, ROOM, CarriedSlower, UpOverDown, lacking_room, table_gaps
+from drake_blfdmp.planning.box_path import OVER_S, ROOM, CarriedSlower, LedOver, UpOverDown, lacking_room, table_gaps
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
 
 BOX = BoxParameters()
@@ -96,3 +98,16 @@ def test_over_happens_within_the_window_and_heights_stay(slanted):
     np.testing.assert_allclose(moved.x[after][..., 1], -0.3, atol=1e-9)
     np.testing.assert_allclose(moved.x[..., 2], CarriedSlower(slanted, factor).x[..., 2], atol=1e-12)
     assert np.abs(np.diff(moved.x, 2, axis=0)).max() * 100.0**2 < 1.0  # No jump of speed.
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_way_that_gets_above_its_ends_nowhere_is_led_over_on_a_level_of_its_own(slanted, sign):
+    x = slanted.x * [1.0, 1.0, sign]  # Straight up on to a shelf, or down from one.
+    moved, (begin, end) = LedOver(replace(slanted, x=x), 0.04)
+    assert (begin, end) == pytest.approx((2.5, 3.0))
+    level = (moved.t >= begin) & (moved.t <= end)
+    np.testing.assert_allclose(moved.x[level][..., 2], max(-0.2 * sign, 0.0) + 0.04, atol=1e-9)
+    outside = (moved.t <= 2.0) | (moved.t >= 3.5)
+    np.testing.assert_allclose(moved.x[outside], x[outside], atol=1e-12)
+    np.testing.assert_array_equal(moved.x[..., :2], x[..., :2])
+    assert np.abs(np.diff(moved.x, 2, axis=0)).max() * 100.0**2 < 8.0  # No jump of speed.
