@@ -30,7 +30,7 @@ from drake_blfdmp.evaluation.run_logger import AddRunLogger  # noqa: E402
 from drake_blfdmp.evaluation.run_recorder import AddRecorder  # noqa: E402
 from drake_blfdmp.planning.plan import MakePlan, Plan  # noqa: E402
 from drake_blfdmp.planning.scenario import LoadScenario  # noqa: E402
-from drake_blfdmp.robot.reach import rigid  # noqa: E402
+from drake_blfdmp.robot.rigid import rigid  # noqa: E402
 from drake_blfdmp.viewing.meshcat_scene import start_meshcat  # noqa: E402
 
 

@@ -25,7 +25,7 @@ from drake_blfdmp.robot.plant import (
     ReadJointLimits,
     SetJointPd,
 )
-from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.skill.canonical import time_at
 from drake_blfdmp.systems.carry_phase import CarryPhase
 from drake_blfdmp.systems.orientation_system import OrientationSystem

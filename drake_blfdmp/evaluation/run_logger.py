@@ -15,7 +15,7 @@ from drake_blfdmp.robot.carry_phases import transitions
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
-from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.skill.canonical import time_at
 
 

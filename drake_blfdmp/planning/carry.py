@@ -17,7 +17,7 @@ from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.planning.supports import Ends, RaiseSentence, ShiftForSupports
 from drake_blfdmp.planning.task import MakeTask, Raised, RollOutTask, Shifted, Task
 from drake_blfdmp.robot.box import BoxParameters
-from drake_blfdmp.robot.reach import Reach
+from drake_blfdmp.robot.reach_evaluation import Reach
 from drake_blfdmp.robot.retargeting import Retarget
 from drake_blfdmp.skill.rollout import Rollout
 

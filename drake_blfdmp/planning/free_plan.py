@@ -13,7 +13,7 @@ from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.planning.task import APART_BLEND, DesiredApart, MakeMotion, MakeTask, RollOutTask
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import CLEARANCE
+from drake_blfdmp.robot.reach_evaluation import CLEARANCE
 from drake_blfdmp.skeleton import HANDS, WRISTS
 from drake_blfdmp.skill.geometry import link_lengths
 from drake_blfdmp.skill.rollout import Rollout

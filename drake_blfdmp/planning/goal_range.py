@@ -12,8 +12,9 @@ from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.following import Following, follow_all
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import JOINT_MARGIN, POSE_TOLERANCE, rigid
+from drake_blfdmp.robot.reach_evaluation import JOINT_MARGIN, POSE_TOLERANCE
 from drake_blfdmp.robot.retargeting import retarget_motion
+from drake_blfdmp.robot.rigid import rigid
 
 GOAL_STEP = 0.005
 """The goal is moved by multiples of it, m."""

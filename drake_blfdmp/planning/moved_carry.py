@@ -11,7 +11,7 @@ from drake_blfdmp.planning.supports import Ends
 from drake_blfdmp.planning.task import Task
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
-from drake_blfdmp.robot.reach import Reach
+from drake_blfdmp.robot.reach_evaluation import Reach
 from drake_blfdmp.robot.retargeting import Retarget, hand_line
 from drake_blfdmp.skill.rollout import Rollout
 

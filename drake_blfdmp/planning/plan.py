@@ -37,8 +37,10 @@ from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import CALM, SCALES, Reach, rigid
+from drake_blfdmp.robot.reach import CALM, SCALES
+from drake_blfdmp.robot.reach_evaluation import Reach
 from drake_blfdmp.robot.retargeting import Retarget
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.skill.rollout import Rollout
 

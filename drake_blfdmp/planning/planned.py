@@ -14,7 +14,8 @@ from drake_blfdmp.planning.task import Task
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
-from drake_blfdmp.robot.reach import Reach, find_reach
+from drake_blfdmp.robot.reach import find_reach
+from drake_blfdmp.robot.reach_evaluation import Reach
 from drake_blfdmp.robot.retargeting import Retarget, box_pose, common_roll, up_axis
 from drake_blfdmp.robot.yaw_rate import RATE, TURN, yaw_rates
 from drake_blfdmp.skill.rollout import Rollout

@@ -16,7 +16,7 @@ from drake_blfdmp.planning.supports import LEVEL_WITHIN
 from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask, Task, Turned
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
-from drake_blfdmp.robot.reach import Reach
+from drake_blfdmp.robot.reach_evaluation import Reach
 from drake_blfdmp.skill.rollout import Rollout
 
 

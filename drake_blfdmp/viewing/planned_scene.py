@@ -22,7 +22,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_blfdmp.diagrams.hold_and_place import AddPlannedPlant
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.planning.plan import Plan
-from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.viewing.mesh_triangles import is_gltf_in_memory, mesh_triangles
 from drake_blfdmp.viewing.rendering import Triangles, coloured
 from drake_blfdmp.viewing.solids import Solid

@@ -6,7 +6,7 @@ from pydrake.systems.analysis import Simulator
 
 from drake_blfdmp.diagrams.hold_and_place import MakeHoldAndPlace, SetInitialState
 from drake_blfdmp.diagrams.non_finite import state_of
-from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.robot.rigid import rigid
 
 # Output -> input, by names of systems and ports; the skill's own wiring is tested in test_skill.py.
 CONNECTIONS = [

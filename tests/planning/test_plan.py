@@ -14,8 +14,8 @@ from drake_blfdmp.planning.scenario import BoxConfig, Scenario, TaskConfig
 from drake_blfdmp.planning.squeeze import USUAL_FORCE
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.robot.retargeting import box_pose, retarget_motion, up_axis
+from drake_blfdmp.robot.rigid import rigid
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,8 @@ from drake_blfdmp.planning.scenario_sections import RetargetConfig, SyntheticCon
 from drake_blfdmp.planning.sources import LoadSource, ReadRecordings
 from drake_blfdmp.planning.task import MakeMotion, Turned
 from drake_blfdmp.quaternions import from_rotation_vector
-from drake_blfdmp.robot.reach import rigid
 from drake_blfdmp.robot.retargeting import hand_line, retarget_motion, up_axis
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.swivel import swivel_angle
 from drake_blfdmp.skeleton import ELBOWS, SHOULDERS, WRISTS
 from drake_blfdmp.skill.geometry import link_lengths

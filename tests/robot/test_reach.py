@@ -11,20 +11,10 @@ from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.following import Following
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import (
-    ACCELERATION_SHARE,
-    CENTRE,
-    SCALES,
-    SHIFTS,
-    VELOCITY_SHARE,
-    WIDE,
-    Reach,
-    evaluate,
-    find_reach,
-    needed_stretch,
-    rigid,
-)
+from drake_blfdmp.robot.reach import CENTRE, SCALES, SHIFTS, WIDE, find_reach
+from drake_blfdmp.robot.reach_evaluation import ACCELERATION_SHARE, VELOCITY_SHARE, Reach, evaluate, needed_stretch
 from drake_blfdmp.robot.retargeting import retarget_motion
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.tracking import pose_error
 
 PLANT = MakeKinematicPlant()

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from pydrake.math import RigidTransform
 
-from drake_blfdmp.robot.reach import rigid
+from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.viewing import stills, style
 from drake_blfdmp.viewing.planned_scene import PlannedScene
 from drake_blfdmp.viewing.rendering import capsule_corners
