@@ -6,6 +6,7 @@ import numpy as np
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.planning.carry import Carry, CarryPlanner
+from drake_blfdmp.planning.followed import DoubtOf
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.held_squeeze import HeldSqueeze, Way
 from drake_blfdmp.planning.moved_carry import EndYaws, FindReachAgain
@@ -52,6 +53,9 @@ YAW_TOLERANCE = np.deg2rad(2.0)
 
 FARTHEST = ("reach", "clearance", "force")
 """Why nothing can be planned, the first to be met first."""
+
+WORTH = 0.6
+"""Of the scale of a plan whose arms may be held up, that a smaller motion must have to be taken in its place."""
 
 TRIMS = (1.0, 0.5, 0.0)
 """Shares of the approach and the retreat that are tried, longest first."""
@@ -104,7 +108,8 @@ def MakePlan(
     # Where the whole recording is held there is nothing to trim.
     whole = source.holding.start_s < 0.1 and source.holding.end_s > source.demonstration.t[-1] - 0.1
     failures: list[TaskError] = []
-    tight = None
+    tight: Plan | None = None
+    doubtful: Plan | None = None
     arms = plant, kinematics, limits
     unmoved: dict[float, Unmoved] = {}
 
@@ -134,6 +139,14 @@ def MakePlan(
             )
         return replace(plan, notes=notes, scenario=scenario)
 
+    def sure(plan: Plan) -> bool:
+        """Whether the arms get along it; the first of which that is not sure is kept."""
+        nonlocal doubtful
+        doubt = "" if plan.reach.comfortable else DoubtOf(plan, kinematics, limits)
+        if doubt and doubtful is None:
+            doubtful = replace(plan, notes=(*plan.notes, doubt))
+        return not doubt
+
     trims = TRIMS[:1] if whole else TRIMS
     for trim in trims:
         try:
@@ -143,7 +156,8 @@ def MakePlan(
             continue
         if plan.reach.comfortable:
             return plan
-        tight = tight or plan
+        if sure(plan):
+            tight = tight or plan
     if tight is not None:
         return tight
     # Calmer hands need less room on their tables, and a smaller scale leaves more room for what was moved: the box, and
@@ -151,19 +165,26 @@ def MakePlan(
     shortest = trims[-1]
     for wide in (False, True):
         # Where the arms get through, another place would not make them stronger.
-        if wide and (scenario.retarget.world is not None or any(error.reason == "force" for error in failures)):
+        forced = any(error.reason == "force" for error in failures)
+        if wide and (doubtful is not None or scenario.retarget.world is not None or forced):
             break
         for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
+            if doubtful is not None and scale < WORTH * doubtful.retarget.scale:
+                break
             own = unmoved.get(shortest)
             suits = wide if own is None else scale <= own.reach.retarget.scale  # The person's own motion the arms.
             if not suits:
                 continue
             try:
-                return tried(shortest, scale, wide)
+                plan = tried(shortest, scale, wide)
+                if sure(plan):
+                    return plan
             except TaskError as error:
                 failures.append(error)
             if shortest not in unmoved:
                 break
+    if doubtful is not None:
+        return doubtful
     # What got farthest says most.
     raise max(failures, key=lambda error: FARTHEST.index(error.reason) if error.reason in FARTHEST else -1)
 
