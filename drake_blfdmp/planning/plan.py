@@ -140,7 +140,7 @@ def MakePlan(
         return replace(plan, notes=notes, scenario=scenario)
 
     def sure(plan: Plan) -> bool:
-        """Whether the arms get along it; the first of which that is not sure is kept."""
+        """Whether the arms get along it without a throw; the first plan with which they may not is kept."""
         nonlocal doubtful
         doubt = "" if plan.reach.comfortable else DoubtOf(plan, kinematics, limits)
         if doubt and doubtful is None:
