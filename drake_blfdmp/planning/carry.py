@@ -52,9 +52,9 @@ class Carry:
         """The same with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 
-    def held_way(self) -> np.ndarray:
-        """The way of the hands' middle while the box is held (N, 3), m in W."""
-        return self.reach.retarget.point(HandsMiddle(self.coupled)[self._held()])
+    def held_middle(self) -> np.ndarray:
+        """The middle between the hands while the box is held (N, 3), m in the torso frame."""
+        return HandsMiddle(self.coupled)[self._held()]
 
     def held_times(self) -> np.ndarray:
         """Its times (N,), s."""
@@ -151,8 +151,7 @@ class CarryPlanner:
 
     def _rise_added(self, carry: Carry) -> float:
         """By how much the law lifts the hands more than they are taught, m at the person's scale."""
-        way = HandsMiddle(carry.coupled)[slice(*(IndexAt(carry.coupled, t) for t in carry.task.held))]
-        return rise(way) - rise(hands_middle(carry.motion)[slice(*carried(carry.motion))])
+        return rise(carry.held_middle()) - rise(hands_middle(carry.motion)[slice(*carried(carry.motion))])
 
     def with_room(self, carry: Carry, heed_clearance: bool) -> Carry:
         """The carry that keeps off the tables: first kept up near its ends, then as `ROOM_NOTES` have it.
@@ -167,7 +166,9 @@ class CarryPlanner:
         kept_up = 0.0
         for trial in range(len(ROOM_NOTES) + 1):
             for _ in range(2):  # The skill follows what it is taught not quite.
-                motion, more = KeptUp(carry.motion, carry.held_times(), carry.held_way(), carry.reach.retarget.scale)
+                retarget = carry.reach.retarget
+                way = retarget.point(carry.held_middle())
+                motion, more = KeptUp(carry.motion, carry.held_times(), way, retarget.scale)
                 if more == 0.0:
                     break
                 kept_up = max(kept_up, more)

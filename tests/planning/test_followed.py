@@ -1,16 +1,16 @@
-"""A plan is followed once more, closely: what the arms cannot follow, or only by a throw, is refused."""
+"""A plan is followed once more, closely; what the arms may not get along then is put behind others, and told."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from drake_blfdmp.planning import plan as plan_module
-from drake_blfdmp.planning.followed import SWINGS_OVER, DoubtOf
+from drake_blfdmp.planning.followed import FINER, SWINGS_OVER, DoubtOf
 from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.planning.scenario import RetargetConfig, Scenario
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach_evaluation import Reach
+from drake_blfdmp.robot.reach_evaluation import SAMPLES, Reach
 
 PLANT = MakeKinematicPlant()
 ARMS_KNOWN = DualArmKinematics(PLANT), ReadJointLimits(PLANT, [PLANT.GetModelInstanceByName(arm) for arm in ARMS])
@@ -28,6 +28,18 @@ def test_a_way_out_of_reach_is_doubted(default_plan):
     retarget = replace(default_plan.retarget, world=default_plan.retarget.world + np.array([0.0, 0.5, 0.0]))
     elsewhere = replace(default_plan, reach=replace(default_plan.reach, retarget=retarget))
     assert "may not get along the whole way" in DoubtOf(elsewhere, *ARMS_KNOWN)
+
+
+def test_what_only_the_finer_samples_show_is_doubted(default_plan):
+    """A bulge out of reach between two of the coarse samples."""
+    coupled, x = default_plan.coupled, default_plan.coupled.x.copy()
+    first = np.searchsorted(coupled.t, default_plan.settle_s)
+    coarse, fine = (
+        np.linspace(first, len(x) - 1, samples).round().astype(int) for samples in (SAMPLES, FINER * SAMPLES)
+    )
+    between = np.setdiff1d(fine, coarse)
+    x[between[np.abs(between - len(x) // 2).argmin()]] += [0.0, 0.6, 0.0]
+    assert "may not get along" in DoubtOf(replace(default_plan, coupled=replace(coupled, x=x)), *ARMS_KNOWN)
 
 
 def test_a_throw_is_doubted_unless_it_is_asked_for(default_plan):
