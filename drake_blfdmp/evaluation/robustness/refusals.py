@@ -132,12 +132,16 @@ def check_force(scenario: Scenario) -> tuple[bool, str]:
 
 
 def check_clearance(scenario: Scenario) -> tuple[bool, str]:
-    """Right where the task, planned as if there were room at the tables, does not succeed.
+    """Wrong where the task, planned as if there were room at the tables, succeeds; else looked at as by `check_reach`.
 
-    Arms that are in each other's way cannot be planned so: whether they must be tells `check_reach`.
+    That the box is dropped on the way that was refused does not show that there is no other: two tasks of which this
+    was all that was asked were carried by a later planner.
     """
     carried, told, refused = run_anyway(scenario, heed_clearance=False)
-    return check_reach(scenario) if refused else (not carried, told)
+    if carried:
+        return False, told
+    right, evidence = check_reach(scenario)
+    return right, evidence if refused else f"without heed of the tables: {told} And with it: {evidence}"
 
 
 CHECKS: Mapping[str, Callable[[Scenario], tuple[bool, str]]] = {

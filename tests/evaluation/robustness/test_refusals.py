@@ -141,29 +141,33 @@ def test_one_squeeze_that_carries_shows_that_a_refusal_for_force_is_wrong(monkey
     assert right is False and evidence == "not shown: out of reach"
 
 
-@pytest.mark.parametrize(
-    ("answer", "right"),
-    [
-        ((False, "The box tilted by 30.0 degrees.", ""), True),
-        ((True, "carried with up to 70 N", ""), False),
-    ],
-)
-def test_what_is_refused_for_clearance_is_run_without_heed_of_it(monkeypatch, answer, right):
+def test_what_is_refused_for_clearance_is_run_without_heed_of_it(monkeypatch):
     heeded = []
 
-    def run(scenario, *, heed_clearance):
+    def carry(scenario, *, heed_clearance):
         heeded.append(heed_clearance)
-        return answer
+        return True, "carried with up to 70 N", ""
 
-    monkeypatch.setattr(refusals, "run_anyway", run)
+    monkeypatch.setattr(refusals, "run_anyway", carry)
+    monkeypatch.setattr(refusals, "check_reach", None)  # Is not asked.
+    assert refusals.check_clearance(Scenario()) == (False, "carried with up to 70 N") and heeded == [False]
+
+
+@pytest.mark.parametrize("right", [True, False])
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        ((False, "It fell.", ""), "without heed of the tables: It fell. And with it: at no place"),
+        ((False, "they overlap", "clearance"), "at no place"),
+    ],
+)
+def test_that_it_fails_without_heed_of_the_tables_does_not_show_that_there_is_no_other_way(
+    monkeypatch, answer, told, right
+):
+    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, heed_clearance: answer)
+    monkeypatch.setattr(refusals, "check_reach", lambda scenario: (right, "at no place"))
     found, evidence = refusals.check_clearance(Scenario())
-    assert found is right and answer[1] in evidence and heeded == [False]
-
-
-def test_arms_in_each_others_way_are_looked_at_as_what_is_out_of_reach(monkeypatch):
-    monkeypatch.setattr(refusals, "run_anyway", lambda scenario, heed_clearance: (False, "they overlap", "clearance"))
-    monkeypatch.setattr(refusals, "check_reach", lambda scenario: (True, "no postures along the way"))
-    assert refusals.check_clearance(Scenario()) == (True, "no postures along the way")
+    assert found is right and evidence == told
 
 
 def test_places_where_the_arms_do_not_get_along_are_none(search):
