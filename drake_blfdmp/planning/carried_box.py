@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_blfdmp.planning.box_path import lacking_room
-from drake_blfdmp.planning.moved_carry import EndYaws
+from drake_blfdmp.planning.carry_height import rise
+from drake_blfdmp.planning.moved_carry import EndYaws, HandsMiddle
 from drake_blfdmp.planning.planned import BelowPalms, IndexAt
 from drake_blfdmp.planning.supports import MakeSupports
 from drake_blfdmp.planning.task import Task
@@ -52,6 +53,11 @@ class CarriedBox:
     def has_room(self, task: Task, coupled: Rollout) -> bool:
         """Whether it lacks none."""
         return bool(self.lacking_room(task, coupled).max() <= 0.0)
+
+    def rise(self, task: Task, coupled: Rollout) -> float:
+        """How far it rises above where it is taken, m."""
+        first, last = (IndexAt(coupled, t) for t in task.held)
+        return self.retarget.scale * rise(HandsMiddle(coupled)[first : last + 1])
 
     def largest_acceleration(self, task: Task, coupled: Rollout) -> float:
         """Of the box while it is carried, m/s^2, at the speed of the rollout."""

@@ -32,7 +32,7 @@ from drake_blfdmp.planning.squeeze import (
     Strengths,
 )
 from drake_blfdmp.planning.steadied_task import MakeSteadiedTask
-from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, RollOutTask
+from drake_blfdmp.planning.task import DEFAULT_SQUEEZE, RollOutTask, Task
 from drake_blfdmp.planning.unmoved import MakeUnmoved, Unmoved
 from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
@@ -53,6 +53,9 @@ YAW_TOLERANCE = np.deg2rad(2.0)
 
 FARTHEST = ("reach", "clearance", "force")
 """Why nothing can be planned, the first to be met first."""
+
+LIFT_KEPT = 0.9
+"""Of task.least_lift, what must be left of a carry's rise when its hands are steadied."""
 
 WORTH = 0.6
 """Of the scale of a plan whose arms may be held up, that a smaller motion must have to be taken in its place."""
@@ -226,7 +229,11 @@ def _plan(scenario, source, box, arms, progress, heed, unmoved: Unmoved, scale: 
     scenario = replace(scenario, task=replace(scenario.task, squeeze=squeeze.depth))
     notes += squeeze.notes
     notes += [*AdaptationNotes(reach.retarget, stretch), *TurnNotes(motion, coupled, reach.retarget)]
-    task, coupled = MakeSteadiedTask(scenario, source, motion, stretch, in_palms.has_room)
+
+    def lifted(task: Task, coupled: Rollout) -> bool:
+        return in_palms.rise(task, coupled) >= LIFT_KEPT * scenario.task.least_lift
+
+    task, coupled = MakeSteadiedTask(scenario, source, motion, stretch, (in_palms.has_room, lifted))
     notes += YawNotes(coupled, reach.retarget, stretch, stretch * scenario.timing.rest_s)
     poses, tables = in_palms.standing(task, coupled)
     for pose, what in zip(poses, ("grasp", "release"), strict=True):

@@ -1,6 +1,6 @@
-"""A task whose hands close and open about a middle that stands still, as far as its box has room for that."""
+"""A task whose hands close and open about a middle that stands still, as far as its carry stays as it should be."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from drake_blfdmp.demonstration.timing import TaskMotion
 from drake_blfdmp.planning.moved_carry import HandsMiddle
@@ -16,16 +16,16 @@ def MakeSteadiedTask(
     source: Source,
     motion: TaskMotion,
     stretch: float,
-    has_room: Callable[[Task, Rollout], bool],
+    kept: Sequence[Callable[[Task, Rollout], bool]],
 ) -> tuple[Task, Rollout]:
     """The task of a motion at its planned speed, and its rollout, steadied (`steady`).
 
     A carry that is soon over is fast right beside the dwells. Steadied in all of them it may be led astray, into a
-    table; then only what happens while the hands move is taken out.
+    table, or begin where it had risen already; then only what happens while the hands move is taken out.
 
     Args:
         stretch: the task takes this much longer than the motion.
-        has_room: whether a carried box keeps its room. What takes it away is not done.
+        kept: what the carry is to be, each told of a task and its rollout. What takes any of it away is not done.
 
     Raises:
         SkillError, ScenarioError: as `MakeTask` and `RollOutTask`.
@@ -40,7 +40,7 @@ def MakeSteadiedTask(
             break
         steady_task = MakeTask(scenario, source, steadied, stretch)
         steady = RollOutTask(scenario, steady_task)
-        if has_room(steady_task, steady) or not has_room(task, coupled):
+        if all(one(steady_task, steady) or not one(task, coupled) for one in kept):
             motion, task, coupled = steadied, steady_task, steady
             if dwells is whole:
                 break

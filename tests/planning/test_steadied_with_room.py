@@ -1,8 +1,9 @@
-"""Hands are steadied only where the box keeps its room over the tables."""
+"""Hands are steadied only where the box keeps its room over the tables and its lift."""
 
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from drake_blfdmp.planning import steadied_task
 from drake_blfdmp.planning.plan import MakePlan
@@ -51,3 +52,21 @@ def test_what_would_lead_into_a_table_is_done_while_the_hands_move_twice_and_ref
     refused: list = []
     plan_with(monkeypatch, 0.3, asked=refused)
     assert [dwells.ramp for dwells in refused] == [RAMP_S, SHORT_RAMP_S]
+
+
+@pytest.mark.parametrize(
+    ("left", "least_lift", "taken"), [(0.06, 0.12, False), (0.10, 0.12, True), (0.06, 0.08, True), (0.06, 0.0, True)]
+)
+def test_a_steadied_motion_that_hardly_lifts_the_box_is_not_taken(monkeypatch, left, least_lift, taken):
+    def flattened(motion, t, middle, dwells):
+        first, last = np.searchsorted(motion.t, [motion.events["grasp_end"], motion.events["release"]])
+        z = 0.5 * (motion.x[:, 2, 2] + motion.x[:, 5, 2])
+        change = np.zeros(len(z))
+        change[first:last] = np.maximum(z[first:last] - z[first] - left, 0.0)
+        return replace(motion, x=motion.x - change[:, None, None] * np.array([0.0, 0.0, 1.0])), left
+
+    monkeypatch.setattr(steadied_task, "Steadied", flattened)
+    plan = MakePlan(replace(Scenario(), task=replace(Scenario().task, least_lift=least_lift)))
+    rises = np.ptp(plan.planned_box()[:, 6])
+    # The skill rises higher than it is taught, and without that by 0.26 m.
+    assert left < rises < left + 0.04 if taken else rises > 0.2
