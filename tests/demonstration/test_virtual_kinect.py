@@ -6,13 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import butter, sosfiltfilt
-from virtual_sensors import BONES, PERFECT, link_lengths
+from virtual_sensors import BONES, PERFECT
 
 from drake_blfdmp.demonstration.demonstration import KnownDimensions
 from drake_blfdmp.demonstration.modelled_person import ModelledPerson, held_interval, hold_and_place
 from drake_blfdmp.demonstration.virtual_kinect import VirtualKinect, film, record_hold_and_place
 from drake_blfdmp.errors import RecordingError
 from drake_blfdmp.skeleton import HANDS
+from drake_blfdmp.skill.geometry import link_lengths
 
 SEEDS = range(40)
 

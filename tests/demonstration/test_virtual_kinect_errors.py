@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from virtual_sensors import BONES, PERFECT, link_lengths
+from virtual_sensors import BONES, PERFECT
 
 from drake_blfdmp.demonstration.modelled_person import hold_and_place
 from drake_blfdmp.demonstration.virtual_kinect import (
@@ -14,6 +14,7 @@ from drake_blfdmp.demonstration.virtual_kinect import (
     rough_noise,
     slow_noise,
 )
+from drake_blfdmp.skill.geometry import link_lengths
 
 
 def test_frames_are_dropped_and_repeated_at_the_stated_rates():

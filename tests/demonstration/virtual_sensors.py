@@ -1,9 +1,6 @@
-"""A virtual Kinect without errors, and what its recordings are looked at for."""
-
-import numpy as np
+"""A virtual Kinect without errors, and which of the links are bones."""
 
 from drake_blfdmp.demonstration.virtual_kinect import VirtualKinect
-from drake_blfdmp.skeleton import LINKS
 
 BONES = [0, 1, 3, 4]
 PERFECT = VirtualKinect(
@@ -18,7 +15,3 @@ PERFECT = VirtualKinect(
     drop_probability=0,
     repeat_probability=0,
 )
-
-
-def link_lengths(x):
-    return np.stack([np.linalg.norm(x[:, link.b] - x[:, link.a], axis=-1) for link in LINKS], axis=-1)
