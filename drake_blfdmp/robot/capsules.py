@@ -71,7 +71,9 @@ class CapsulePairs:
             return None
         return float(signed.min()), self.pairs[near[signed.argmin()]]
 
-    def overlapping(self, one: ModelInstanceIndex, other: ModelInstanceIndex, ends_one, ends_other) -> np.ndarray:
+    def overlapping(
+        self, one: ModelInstanceIndex, other: ModelInstanceIndex, ends_one, ends_other, clearance: float = 0.0
+    ) -> np.ndarray:
         """Which of n postures of a model overlap which of m of another, or themselves: (n, m).
 
         Args:
@@ -79,10 +81,11 @@ class CapsulePairs:
             other: another; the plant's capsules are theirs.
             ends_one: (n, G, 2, 3) `ends` in n postures of the one, m.
             ends_other: (m, G, 2, 3) in m postures of the other, m.
+            clearance: nearer than that, m, counts as overlapping.
         """
         models = self._instances[self._first], self._instances[self._second]
         own = [
-            self._any_overlap(ends, np.flatnonzero((models[0] == int(model)) & (models[1] == int(model))))
+            self._any_overlap(ends, np.flatnonzero((models[0] == int(model)) & (models[1] == int(model))), clearance)
             for model, ends in ((one, ends_one), (other, ends_other))
         ]
         overlap = own[0][:, None] | own[1]
@@ -92,16 +95,17 @@ class CapsulePairs:
                 mine, its = its, mine
             a, b, c, d = ends_one[:, mine, 0], ends_one[:, mine, 1], ends_other[:, its, 0], ends_other[:, its, 1]
             apart = 0.5 * ((a + b)[:, None] - (c + d))
-            i, j = np.nonzero(~overlap & (dot(apart, apart) <= self._spheres[pair]))
-            radii = self._radii[mine] + self._radii[its]
+            i, j = np.nonzero(~overlap & (dot(apart, apart) <= (np.sqrt(self._spheres[pair]) + clearance) ** 2))
+            radii = self._radii[mine] + self._radii[its] + clearance
             overlap[i, j] = segment_distances(a[i], b[i], c[j], d[j]) <= radii
         return overlap
 
-    def _any_overlap(self, ends: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-        """Whether any of the chosen pairs overlaps, in n postures with `ends` (n, G, 2, 3): (n,)."""
+    def _any_overlap(self, ends: np.ndarray, chosen: np.ndarray, clearance: float) -> np.ndarray:
+        """Whether any of the chosen pairs comes that near, in n postures with `ends` (n, G, 2, 3): (n,)."""
         first, second = self._first[chosen], self._second[chosen]
         a, b, c, d = (ends[:, rows, i] for rows in (first, second) for i in range(2))
-        return np.any(segment_distances(a, b, c, d) <= self._radii[first] + self._radii[second], axis=1)
+        near = self._radii[first] + self._radii[second] + clearance
+        return np.any(segment_distances(a, b, c, d) <= near, axis=1)
 
     def ends(self, context: Context) -> np.ndarray:
         """Where each of the G capsules' segments ends: (G, 2, 3), m in W."""

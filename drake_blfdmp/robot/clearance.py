@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-from pydrake.multibody.tree import RigidBody
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_blfdmp.errors import TaskError
@@ -36,6 +36,7 @@ class ClearanceChecker:
         supports: Sequence[TableParameters] = (),
         box: BoxParameters | None = None,
         max_distance: float = 0.2,
+        among_arms: bool = True,
     ):
         """Builds the scene.
 
@@ -43,6 +44,7 @@ class ClearanceChecker:
             supports: the tables.
             box: the box, or None to leave it out.
             max_distance: m; farther pairs are not looked at, which is what makes a query cheap.
+            among_arms: False counts no distances within an arm nor between the two.
 
         Raises:
             TaskError: `max_distance` is not > 0.
@@ -67,6 +69,9 @@ class ClearanceChecker:
                 )
             )
         self._exclude_second_neighbours(scene_graph)
+        if not among_arms:
+            links = GeometrySet([id for arm in self._arms for id in self._arm_ids(arm)])
+            scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(links))
         inspector = scene_graph.model_inspector()
         self._capsules = CapsulePairs(self.plant, inspector)
         self._name = {}
@@ -75,6 +80,9 @@ class ClearanceChecker:
             instance = self.plant.GetModelInstanceName(body.model_instance())
             self._name[id] = instance if instance == body.name() else f"{instance}::{body.name()}"
 
+        self._arm_of = {
+            id: k for k, arm in enumerate(self._arms) for id in self._arm_ids(arm) if "palm" not in self._name[id]
+        }
         self._diagram = builder.Build()
         context = self._diagram.CreateDefaultContext()
         self._plant_context = self.plant.GetMyMutableContextFromRoot(context)
@@ -84,6 +92,9 @@ class ClearanceChecker:
 
     def _geometries(self, bodies: Sequence[RigidBody]) -> list:
         return [id for body in bodies for id in self.plant.GetCollisionGeometriesForBody(body)]
+
+    def _arm_ids(self, arm: ModelInstanceIndex) -> list:
+        return self._geometries([self.plant.get_body(index) for index in self.plant.GetBodyIndices(arm)])
 
     def _exclude_second_neighbours(self, scene_graph: SceneGraph) -> None:
         manager = scene_graph.collision_filter_manager()
@@ -106,16 +117,7 @@ class ClearanceChecker:
         Raises:
             TaskError: q has the wrong shape or is not finite, or X_WB is given to a checker without a box.
         """
-        q = np.asarray(q, dtype=float)
-        if q.shape != (14,) or not np.all(np.isfinite(q)):
-            raise TaskError(f"clearance: q of shape {q.shape} must be 14 finite joint angles")
-        for arm, q_arm in zip(self._arms, (q[:7], q[7:]), strict=True):
-            self.plant.SetPositions(self._plant_context, arm, q_arm)
-        if X_WB is not None:
-            if self._box is None:
-                raise TaskError("clearance: a box pose was given to a checker built without a box; pass box=...")
-            self.plant.SetFreeBodyPose(self._plant_context, self._box, X_WB)
-
+        self._set(q, X_WB)
         if (deepest := self._capsules.deepest(self._plant_context)) is not None:
             distance, pair = deepest
             return distance, (self._name[pair[0]], self._name[pair[1]])
@@ -127,7 +129,34 @@ class ClearanceChecker:
                 closest, names = pair.distance, (self._name[pair.id_A], self._name[pair.id_B])
         return float(closest), names
 
-    def overlapping(self, left, right) -> np.ndarray:
+    def link_clearances(self, q: np.ndarray, X_WB: RigidTransform | None = None) -> np.ndarray:
+        """The least distance (2,) of each arm's links, but for its palm, from what stands around, m.
+
+        Of a checker with `among_arms` False; args and errors as of `min_clearance`.
+        """
+        self._set(q, X_WB)
+        query = self._query_port.Eval(self._scene_context)
+        ignored = self._box_ids if X_WB is None else frozenset()
+        closest = np.full(2, self._max_distance)
+        for pair in query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance):
+            for own, other in ((pair.id_A, pair.id_B), (pair.id_B, pair.id_A)):
+                arm = self._arm_of.get(own)
+                if arm is not None and other not in ignored:
+                    closest[arm] = min(closest[arm], pair.distance)
+        return closest
+
+    def _set(self, q, X_WB: RigidTransform | None) -> None:
+        q = np.asarray(q, dtype=float)
+        if q.shape != (14,) or not np.all(np.isfinite(q)):
+            raise TaskError(f"clearance: q of shape {q.shape} must be 14 finite joint angles")
+        for arm, q_arm in zip(self._arms, (q[:7], q[7:]), strict=True):
+            self.plant.SetPositions(self._plant_context, arm, q_arm)
+        if X_WB is not None:
+            if self._box is None:
+                raise TaskError("clearance: a box pose was given to a checker built without a box; pass box=...")
+            self.plant.SetFreeBodyPose(self._plant_context, self._box, X_WB)
+
+    def overlapping(self, left, right, clearance: float = 0.0) -> np.ndarray:
         """In which pairs of n postures of the left arm and m of the right one capsules overlap, of one arm or of both.
 
         What has no capsules does not count: palms' rims, pedestals, tables and the box (`min_clearance`).
@@ -135,6 +164,7 @@ class ClearanceChecker:
         Args:
             left: (n, 7) rad.
             right: (m, 7) rad.
+            clearance: nearer than that, m, counts as overlapping.
 
         Returns:
             (n, m) booleans.
@@ -143,7 +173,7 @@ class ClearanceChecker:
             np.array([self._ends(arm, q) for q in postures])
             for arm, postures in zip(self._arms, (left, right), strict=True)
         ]
-        return self._capsules.overlapping(*self._arms, *ends)
+        return self._capsules.overlapping(*self._arms, *ends, clearance)
 
     def _ends(self, arm, q) -> np.ndarray:
         self.plant.SetPositions(self._plant_context, arm, q)

@@ -116,7 +116,7 @@ def find_reach(
         person = 0.5 * (x[:, 0] + x[:, 3]).mean(axis=0)
     middle = 0.5 * (x[:, 2] + x[:, 5])
     low, high = middle.min(axis=0), middle.max(axis=0)
-    largest = float(np.min(SPAN / np.maximum(high - low, 1e-3)))
+    largest = largest_scale(middle)
     checker = ClearanceChecker(max_distance=0.1)
     scales = [scale] if scale is not None else [s for s in SCALES if s <= max(largest, SCALES[-1])]
     finer = int(sample_rate_hz * float(t[-1] - t[0]))
@@ -187,6 +187,11 @@ def find_reach(
         f"reach: {scaled} makes the whole motion reachable (best: {how}); {remedy}",
         reason="clearance" if reached else "reach",
     )
+
+
+def largest_scale(middle: np.ndarray) -> float:
+    """The largest scale at which the way (N, 3) of the hands' middle fits into `SPAN`."""
+    return float(np.min(SPAN / np.maximum(np.ptp(middle, axis=0), 1e-3)))
 
 
 def _near_enough(kinematics: DualArmKinematics, x, retargets: Sequence[Retarget], turn) -> list[Retarget]:

@@ -11,6 +11,7 @@ from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.posture import palm_rolls, starting_postures
 from drake_blfdmp.robot.retargeting import Retarget, retarget_motion
+from drake_blfdmp.robot.swings import Swings
 
 SAMPLES = 60
 """Of a motion, that are followed."""
@@ -41,6 +42,7 @@ class Reach:
         samples: (M,) their indices in the motion.
         clearance: least distance of arms and pedestals among themselves on these samples, m.
         stretch: how much the motion must be slowed down to keep the joints' speed and acceleration (>= 1).
+        swings: taught in place of the elbows' own (`led_reach`); None: none.
     """
 
     retarget: Retarget
@@ -49,6 +51,7 @@ class Reach:
     samples: np.ndarray
     clearance: float
     stretch: float
+    swings: Swings | None = None
 
     @property
     def sound(self) -> bool:
@@ -100,23 +103,25 @@ def evaluate_all(
     anchor: int,
     samples: int = SAMPLES,
     turn=None,
+    grasps: Sequence[np.ndarray] | None = None,
 ) -> list[Reach | None]:
     """Try retargetings on points x (N, 6, 3) at times t (N,); the rolls are chosen at sample `anchor`, the grasp.
 
     Args:
         samples: how many of the N, evenly, are followed beside the anchor.
         turn: (N, 4) how what is held turns, as in `retarget_motion`; None where nothing tells.
+        grasps: for each retargeting the posture (14,) in which the grasp is taken, joint 7 at 0, rad; None: the best.
 
     Returns:
         For each retargeting: None where the arms cannot take the grasp at all; a clearance of 0 and an infinite stretch
         where they cannot follow.
     """
-    tried = np.unique(np.append(np.linspace(0, len(x) - 1, samples).round().astype(int), anchor))
+    tried = samples_of(len(x), samples, anchor)
     middle = int(np.searchsorted(tried, anchor))
     x, turn = x[tried], None if turn is None else turn[tried]
     grasp = slice(middle, middle + 1)
     poses, swivels = palms_of(x[grasp], retargets, None if turn is None else turn[grasp])
-    postures = starting_postures(kinematics, limits, poses[:, 0], swivels[:, 0])
+    postures = starting_postures(kinematics, limits, poses[:, 0], swivels[:, 0]) if grasps is None else grasps
     taken = [i for i, q in enumerate(postures) if q is not None]
     reaches: list[Reach | None] = [None] * len(retargets)
     if not taken:
@@ -143,6 +148,11 @@ def evaluate_all(
             stretch = needed_stretch(np.asarray(t)[tried], following.q, limits)
         reaches[taken[k]] = Reach(rolled[k], start, following, tried, clearance, stretch)
     return reaches
+
+
+def samples_of(count: int, samples: int, anchor: int) -> np.ndarray:
+    """Indices of so many samples, evenly, of `count`, and the anchor among them."""
+    return np.unique(np.append(np.linspace(0, count - 1, samples).round().astype(int), anchor))
 
 
 def palms_of(x, retargets: Sequence[Retarget], turn) -> tuple[np.ndarray, np.ndarray]:

@@ -100,3 +100,46 @@ def test_a_box_pose_without_a_box_is_refused():
         ClearanceChecker().min_clearance(Q_HOME, RigidTransform())
     with pytest.raises(TaskError, match="max_distance"):
         ClearanceChecker(max_distance=0.0)
+
+
+def test_links_are_told_from_what_stands_around_each_arm_by_itself():
+    """A slab under the left elbow, arms driven into each other: neither the other arm nor the palms count."""
+    q = Q_HOME.copy()
+    q[0], q[7] = -0.6, 0.6
+    probe = ClearanceChecker()
+    context = probe.plant.CreateDefaultContext()
+    probe.plant.SetPositions(context, q)
+    arms = [probe.plant.GetModelInstanceByName(arm) for arm in ("left_arm", "right_arm")]
+    wrist = probe.plant.GetFrameByName("wrist", arms[0]).CalcPoseInWorld(context).translation()
+    told = []
+    for below in (0.10, 0.12):
+        slab = TableParameters(
+            name="slab", top_center=(*wrist[:2], wrist[2] - below), size=(0.02, 0.02), thickness=0.01
+        )
+        told.append(ClearanceChecker([slab], max_distance=0.08, among_arms=False).link_clearances(q))
+    (near, _), (farther, _) = told
+    assert 0.0 < near < farther < 0.08 and farther - near <= 0.02 + 1e-9
+    palm = probe.plant.GetFrameByName("palm", arms[1]).CalcPoseInWorld(context).translation()
+    box = BoxParameters(width=0.02, depth=0.02, height=0.02)
+    around = ClearanceChecker(box=box, max_distance=0.01, among_arms=False)
+    np.testing.assert_array_equal(around.link_clearances(q, RigidTransform(palm)), 0.01)
+    elbow = probe.plant.GetFrameByName("elbow", arms[1]).CalcPoseInWorld(context).translation()
+    left, right = around.link_clearances(q, RigidTransform(elbow))
+    assert left == 0.01 and right < 0.0
+    np.testing.assert_array_equal(around.link_clearances(q), 0.01)  # Without the box.
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.02, 0.1])
+def test_pairs_nearer_than_a_clearance_count_as_overlapping(checker, clearance):
+    """Against the signed distances of all capsules, pair by pair."""
+    rng = np.random.default_rng(2)
+    left, right = (np.array(HOME) + rng.normal(scale=0.5, size=(12, 7)) for _ in range(2))
+    near = checker.overlapping(left, right, clearance)
+    context = checker.plant.CreateDefaultContext()
+    arms = [checker.plant.GetModelInstanceByName(arm) for arm in ("left_arm", "right_arm")]
+    for i, j in np.ndindex(near.shape):
+        for arm, q in zip(arms, (left[i], right[j]), strict=True):
+            checker.plant.SetPositions(context, arm, q)
+        assert near[i, j] == np.any(checker._capsules.distances(context) <= clearance)
+    assert clearance == 0.1 or not near.all()
+    assert near.any()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lifted import ANCHOR, TIME, lift_and_carry
 
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.robot import reach as reach_module
@@ -21,20 +22,6 @@ PLANT = MakeKinematicPlant()
 LIMITS = ReadJointLimits(PLANT, [PLANT.GetModelInstanceByName(arm) for arm in ARMS])
 KINEMATICS = DualArmKinematics(PLANT)
 SEARCH = {"kinematics": KINEMATICS, "limits": LIMITS}
-SAMPLES, ANCHOR = 31, 10
-TIME = np.linspace(0, 3.0, SAMPLES)
-
-
-def lift_and_carry(width=0.30, lift=0.20, carry=0.10):
-    """A person (N, 6, 3) who lifts what is between the hands, and carries it to the right; elbows a little outward."""
-    share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, SAMPLES))
-    x = np.zeros((SAMPLES, 6, 3))
-    for first, side in ((0, -1.0), (3, 1.0)):
-        x[:, first] = [0.18 * side, 0.0, 1.40]
-        x[:, first + 2] = [0.5 * width * side, 0.30, 1.05]
-        x[:, first + 2] += share[:, None] * [carry, 0.0, lift]
-        x[:, first + 1] = 0.5 * (x[:, first] + x[:, first + 2]) + [0.08 * side, -0.05, -0.12]
-    return x
 
 
 MOTION = lift_and_carry()
