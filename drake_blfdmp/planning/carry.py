@@ -76,7 +76,7 @@ class CarryPlanner:
         source: Source,
         box: BoxParameters,
         same_level: bool,
-        find_again: Callable[[Rollout, Retarget, bool], Reach],
+        find_again: Callable[[Carry, bool], Reach],
     ):
         """Plan carries of a box.
 
@@ -85,7 +85,7 @@ class CarryPlanner:
             source: the recording.
             box: the box.
             same_level: one table serves both ends.
-            find_again: `FindReachAgain` of a rollout, from the retargeting it had, and whether it shall stay there.
+            find_again: `FindReachAgain` of a carry's rollout, and whether it shall stay where its reach has it.
         """
         self._scenario, self._source, self._box, self._same_level = scenario, source, box, same_level
         self._find_again = find_again
@@ -106,7 +106,7 @@ class CarryPlanner:
         Raises:
             TaskError: out of reach.
         """
-        return replace(carry, reach=self._find_again(carry.coupled, carry.reach.retarget, stay))
+        return replace(carry, reach=self._find_again(carry, stay))
 
     def moved(self, carry: Carry) -> Carry:
         """The carry with its ends where they are asked for and where the tables have room, lifted as asked.

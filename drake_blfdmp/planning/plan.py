@@ -9,6 +9,7 @@ from drake_blfdmp.planning.carry import Carry, CarryPlanner
 from drake_blfdmp.planning.followed import DoubtOf
 from drake_blfdmp.planning.free_plan import MakeFreePlan
 from drake_blfdmp.planning.held_squeeze import HeldSqueeze, Way
+from drake_blfdmp.planning.led_elbows import SceneOf, TeachElbows
 from drake_blfdmp.planning.moved_carry import EndYaws, FindReachAgain
 from drake_blfdmp.planning.open_palms import ROOM, CheckOpenPalms
 from drake_blfdmp.planning.planned import (
@@ -19,6 +20,7 @@ from drake_blfdmp.planning.planned import (
     YawNotes,
 )
 from drake_blfdmp.planning.scenario import Scenario
+from drake_blfdmp.planning.searches import LED, NEAR, SEARCHES, MayBe, Search
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.planning.span import WidestSpan
 from drake_blfdmp.planning.squeeze import (
@@ -38,9 +40,8 @@ from drake_blfdmp.robot.box import BoxParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.reach import CALM, SCALES
+from drake_blfdmp.robot.reach import SCALES
 from drake_blfdmp.robot.reach_evaluation import Reach
-from drake_blfdmp.robot.retargeting import Retarget
 from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.swivel import wrap
 from drake_blfdmp.skill.rollout import Rollout
@@ -116,7 +117,7 @@ def MakePlan(
     arms = plant, kinematics, limits
     unmoved: dict[float, Unmoved] = {}
 
-    def tried(trim: float, scale: float | None, wide: bool = False) -> Plan:
+    def tried(trim: float, scale: float | None, search: Search = NEAR) -> Plan:
         timing = replace(
             scenario.timing,
             approach_s=trim * scenario.timing.approach_s,
@@ -124,9 +125,9 @@ def MakePlan(
         )
         trimmed = replace(scenario, timing=timing)
         if trim not in unmoved:
-            options = {"calms": CALM[-1:], "wide": True} if wide else {}
+            options = {} if scale is None else SEARCHES[search]
             unmoved[trim] = MakeUnmoved(trimmed, source, kinematics, limits, progress, **options)
-        plan = _plan(trimmed, source, box, arms, progress, (heed_clearance, heed_force), unmoved[trim], scale, wide)
+        plan = _plan(trimmed, source, box, arms, progress, (heed_clearance, heed_force), unmoved[trim], scale, search)
         if heed_clearance and not whole:
             # There is nothing behind the last trim: it may come near, but not touch.
             last = trim == TRIMS[-1]
@@ -164,22 +165,26 @@ def MakePlan(
     if tight is not None:
         return tight
     # Calmer hands need less room on their tables, and a smaller scale leaves more room for what was moved: the box, and
-    # how far its places are moved, keep their size in the world. At last, places are looked for farther around.
+    # how far its places are moved, keep their size in the world. Then places are looked for farther around, and at last
+    # elbows are led another way than the person's.
     shortest = trims[-1]
-    for wide in (False, True):
+    for search in SEARCHES:
         # Where the arms get through, another place would not make them stronger.
         forced = any(error.reason == "force" for error in failures)
-        if wide and (doubtful is not None or scenario.retarget.world is not None or forced):
+        if search != NEAR and (doubtful is not None or forced):
             break
+        if not MayBe(search, scenario):
+            continue
         for scale in SCALES if scenario.retarget.scale is None else (scenario.retarget.scale,):
             if doubtful is not None and scale < WORTH * doubtful.retarget.scale:
                 break
             own = unmoved.get(shortest)
-            suits = wide if own is None else scale <= own.reach.retarget.scale  # The person's own motion the arms.
-            if not suits:
+            if own is None and search == NEAR:
                 continue
+            if own is not None and search != LED and scale > own.reach.retarget.scale:
+                continue  # The person's own motion would not suit the arms.
             try:
-                plan = tried(shortest, scale, wide)
+                plan = tried(shortest, scale, search)
                 if sure(plan):
                     return plan
             except TaskError as error:
@@ -192,24 +197,29 @@ def MakePlan(
     raise max(failures, key=lambda error: FARTHEST.index(error.reason) if error.reason in FARTHEST else -1)
 
 
-def _plan(scenario, source, box, arms, progress, heed, unmoved: Unmoved, scale: float | None, wide: bool) -> Plan:
+def _plan(scenario, source, box, arms, progress, heed, unmoved: Unmoved, scale: float | None, search: Search) -> Plan:
     plant, kinematics, limits = arms
     heed_clearance, heed_force = heed
     motion, task, coupled, reach = unmoved.motion, unmoved.task, unmoved.coupled, unmoved.reach
     anchor, same_level = unmoved.anchor, unmoved.same_level
-    calm = {} if scale is None else {"calms": CALM[-1:], "wide": wide}
+    options = {} if scale is None else SEARCHES[search]
     if scale is not None:
-        reach = unmoved.at_scale(scenario, kinematics, limits, progress, scale, **calm)
+        reach = unmoved.at_scale(scenario, kinematics, limits, progress, scale, **options)
     if yaw := scenario.task.place_rotation[2]:
         turned = (unmoved.not_turned, (task, coupled))
         CheckYaw(yaw, *(EndYaws(rollout, of, reach.retarget)[1] for of, rollout in turned))
 
-    def again(coupled: Rollout, before: Retarget, stay: bool) -> Reach:
-        return FindReachAgain(scenario, coupled, anchor, kinematics, limits, progress, before, stay=stay, **calm)
+    def again(carry: Carry, stay: bool) -> Reach:
+        arms, before = (kinematics, limits), carry.reach.retarget
+        around = {"scene": SceneOf(planner, carry, scenario.timing.rest_s)} if search == LED else {}
+        return FindReachAgain(scenario, carry.coupled, anchor, *arms, progress, before, stay=stay, **options, **around)
 
     planner = CarryPlanner(scenario, source, box, same_level, again)
     carry = planner.moved(Carry(motion, task, coupled, reach))
     carry = planner.with_room(carry, heed_clearance)
+    if not carry.reach.sound:  # Its place was only assumed, and nothing was changed since (`Unreached`).
+        carry = planner.reached(carry, True)
+    carry = TeachElbows(planner, carry, scenario.timing.rest_s, kinematics, limits)
     motion, task, coupled, reach, notes = carry.motion, carry.task, carry.coupled, carry.reach, list(carry.notes)
     stretch = scenario.task.duration_scale or reach.stretch
     held = (coupled.t[reach.samples] >= task.held[0]) & (coupled.t[reach.samples] <= task.held[1])

@@ -13,6 +13,7 @@ from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.planning.task import Task
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.led_reach import FREE, find_led_reach
 from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.reach import find_reach
 from drake_blfdmp.robot.reach_evaluation import Reach
@@ -125,6 +126,8 @@ def FindReach(
     world: np.ndarray | None = None,
     *,
     every: int = 1,
+    wide: bool = False,
+    led: bool = False,
     **options: Any,
 ) -> Reach:
     """The reach of a rolled-out task, as the scenario's `retarget` asks for it.
@@ -133,7 +136,9 @@ def FindReach(
         anchor: index in the rollout at which the palms' rolls are chosen.
         scale, world: used where the scenario does not give its own.
         every: only each so-manieth sample of the rollout is looked at.
-        options: further ones of `find_reach`.
+        wide: as of `find_reach`.
+        led: the elbows may be led another way than the person's (`find_led_reach`); takes many seconds a scale.
+        options: further ones of `find_reach`, or of the other.
 
     Returns:
         The reach, its samples counted in the rollout.
@@ -144,7 +149,9 @@ def FindReach(
     config = scenario.retarget
     # The arms join in when the initial errors have vanished; see `Plan.settle_s`.
     first = IndexAt(coupled, scenario.timing.rest_s)
-    reach = find_reach(
+    if not led:
+        options |= {"wide": wide, "keep_yaw": scenario.task.place_rotation[2] != 0.0, "elbow_up": config.elbow_up}
+    reach = (find_led_reach if led else find_reach)(
         coupled.t[first::every],
         coupled.x[first::every],
         (anchor - first) // every,
@@ -153,10 +160,8 @@ def FindReach(
         scale=config.scale if config.scale is not None else scale,
         world=world if config.world is None else np.array(config.world),
         level=config.level,
-        keep_yaw=scenario.task.place_rotation[2] != 0.0,
-        elbow_up=config.elbow_up,
         turn=None if coupled.turn is None else coupled.turn[first::every],
-        progress=lambda share: progress("finding a reachable place", share),
+        progress=lambda share: progress("leading the elbows" if led else "finding a reachable place", share),
         **options,
     )
     return replace(reach, samples=every * reach.samples + first)
@@ -170,7 +175,9 @@ def IndexAt(rollout: Rollout, t: float) -> int:
 def AdaptationNotes(retarget: Retarget, stretch: float) -> list[str]:
     """What was taken from the person's motion so that the arms can follow, in sentences."""
     notes, swing, share = [], np.rad2deg(retarget.swing_out[1]), retarget.yaw_share
-    if swing < 69.0:
+    if retarget.swing_out == FREE:
+        pass  # Said with how the elbows are led.
+    elif swing < 69.0:
         most = "" if share == 1.0 else f"{share:.0%} of the person's, at most "
         yaw = f"the hands' yaw to {most}{np.rad2deg(retarget.yaw[1]):.0f}" if share else "the hands' yaw left aside"
         notes.append(f"elbows' swing limited to {swing:.0f} degrees and {yaw}, to stay in reach")

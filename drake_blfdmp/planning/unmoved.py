@@ -14,9 +14,12 @@ from drake_blfdmp.planning.sources import Source
 from drake_blfdmp.planning.steady import Steadied
 from drake_blfdmp.planning.supports import LEVEL_WITHIN
 from drake_blfdmp.planning.task import MakeMotion, MakeTask, RollOutTask, Task, Turned
+from drake_blfdmp.robot.following import Following
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import JointLimits
+from drake_blfdmp.robot.plant import HOME, JOINTS_PER_ARM, JointLimits
+from drake_blfdmp.robot.reach import CENTRE, SCALES
 from drake_blfdmp.robot.reach_evaluation import Reach
+from drake_blfdmp.robot.retargeting import Retarget
 from drake_blfdmp.skill.rollout import Rollout
 
 
@@ -48,13 +51,15 @@ class Unmoved:
         progress: Progress,
         scale: float,
         *,
-        wide: bool,
+        wide: bool = False,
+        led: bool = False,
         **options: Any,
     ) -> Reach:
         """The reach at another scale.
 
         Args:
             wide: look farther around (`find_reach`) where nothing is found near by, which takes seconds.
+            led: where nothing is found, the middle of the arms' space all the same: elbows may be led yet.
             options: of `FindReach`.
 
         Raises:
@@ -64,9 +69,22 @@ class Unmoved:
         try:
             return FindReach(*asked, **options)
         except TaskError:
-            if not wide:
+            if not (wide or led):
                 raise
-        return FindReach(*asked, wide=True, **options)
+        if led:
+            return Unreached(scenario, self.coupled, scale)
+        return FindReach(*asked, wide=wide, **options)
+
+
+def Unreached(scenario: Scenario, coupled: Rollout, scale: float) -> Reach:
+    """A reach, not sound, that only tells where the motion would be: in the middle of the arms' space, or as asked."""
+    moving = coupled.x[IndexAt(coupled, scenario.timing.rest_s) :]
+    person, hands = 0.5 * (moving[:, 0] + moving[:, 3]).mean(axis=0), 0.5 * (moving[:, 2] + moving[:, 5])
+    config, middle = scenario.retarget, 0.5 * (hands.min(axis=0) + hands.max(axis=0)) - person
+    world = CENTRE - scale * middle if config.world is None else np.array(config.world)
+    retarget = Retarget(scale, person, world, np.zeros(2), config.level, config.elbow_up)
+    nowhere = Following(np.empty((0, 2 * JOINTS_PER_ARM)), np.inf, np.inf, -np.inf)
+    return Reach(retarget, np.tile(HOME, 2), nowhere, np.empty(0, dtype=int), -np.inf, np.inf)
 
 
 def MakeUnmoved(
@@ -75,11 +93,14 @@ def MakeUnmoved(
     kinematics: DualArmKinematics,
     limits: JointLimits,
     progress: Progress,
+    *,
+    led: bool = False,
     **options: Any,
 ) -> Unmoved:
     """Learn the person's motion, take what the law swings in the dwells out of it, turn its end, and find its reach.
 
     Args:
+        led: nothing is looked for, as elbows are to be led (`Unreached`).
         options: of `FindReach`.
 
     Raises:
@@ -101,5 +122,8 @@ def MakeUnmoved(
         motion = Turned(motion, yaw, ShiftWindow(coupled, task, same_level))
         task = MakeTask(scenario, source, motion)
         coupled = RollOutTask(scenario, task)
-    reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress, **options)
+    if led:
+        reach = Unreached(scenario, coupled, SCALES[0])
+    else:
+        reach = FindReach(scenario, coupled, anchor, kinematics, limits, progress, **options)
     return Unmoved(motion, task, coupled, not_turned, anchor, bool(same_level), reach)

@@ -159,20 +159,18 @@ def test_a_box_that_nothing_holds_is_planned_with_what_is_asked_where_force_is_n
         (("force", "reach", "clearance"), "force", False),  # Other places do not make the arms stronger.
     ],
 )
-def test_of_all_that_failed_what_got_farthest_is_told_once_places_were_looked_for_farther_around(
-    monkeypatch, reasons, told, farther
-):
+def test_of_all_that_failed_what_got_farthest_is_told_once_all_searches_were_tried(monkeypatch, reasons, told, farther):
     tried = []
 
-    def fail(scenario, source, kinematics, limits, progress, *, wide=False, **options):
-        reason = "reach" if wide else reasons[len(tried)]
-        tried.append(wide)
+    def fail(scenario, source, kinematics, limits, progress, *, wide=False, led=False, **options):
+        reason = "reach" if wide or led else reasons[len(tried)]
+        tried.append("led" if led else "wide" if wide else "near")
         raise TaskError(f"{reason}: not with {scenario.timing.approach_s:g} s", reason=reason)
 
     monkeypatch.setattr(plan_module, "MakeUnmoved", fail)
     with pytest.raises(TaskError) as caught:
         MakePlan(Scenario())
-    assert caught.value.reason == told and tried == [False] * 3 + [True] * farther
+    assert caught.value.reason == told and tried == ["near"] * 3 + ["wide", "led"] * farther
 
 
 def test_a_release_is_shifted_while_the_box_is_above_both_ends_or_if_it_never_is_during_the_whole_carry(default_plan):
