@@ -1,154 +1,100 @@
-"""Whether two arms get along a way in one go: postures for every sample, free of overlap, each near the one before.
+"""Whether two arms get along a way in one go: postures for every sample, free of overlap, joined to those before.
 
-At a sample a palm that faces a given way leaves an arm one freedom, the swivel of its elbow, beside a finite number of
-branches; the roll of the palm is joint 7's alone and moves no body. So an arm's postures are found on a grid of swivel
-angles, from many starts, and pairs of them are joined from sample to sample. What is asked for is less than a plan
-needs: elbows are where they like, they may jump by `MOVE` between samples, bodies may touch, no margin from limits.
+At a sample a palm that faces a given way leaves an arm one freedom, the wrist's angle about the palm's normal, beside
+eight branches; the roll of the palm is joint 7's alone and moves no body. So an arm's postures are those on a grid of
+such angles, in closed form. Pairs of both arms' postures are joined from sample to sample and, as the palms may wait
+for the elbows, within a sample. What is asked for is less than a plan needs: elbows are where they like and take their
+time, bodies may touch, no margin from limits.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from pydrake.math import RotationMatrix
 
+from drake_blfdmp.robot.box import TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
-from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import ARMS, HOME, JOINTS_PER_ARM, MakeKinematicPlant, ReadJointLimits
-from drake_blfdmp.robot.posture import newton_postures
+from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
+from drake_blfdmp.robot.plant import MakeKinematicPlant
 
-SWIVELS = 24
-"""Angles of an elbow that are looked at, all around."""
+ANGLES = 72
+"""Of a wrist about the palm's normal that are looked at, all around."""
 
-STARTS = 8
-"""Postures that Newton's method starts from at each of them, beside those found for the sample before."""
-
-ITERATIONS = 30
-"""Of Newton's method from each."""
-
-ALIKE = 0.05
-"""Postures that differ by less, rad, are taken for one."""
-
-FEW = 40
-"""Pairs of postures a sample that an easy way is got along with."""
-
-BEFORE, AFTER = 4, 3
-"""Samples around the one at which another way was at an end, that a way is looked at first."""
-
-MOVE = 0.8
-"""A joint that moves by more from a sample to the next, rad, jumps."""
+ALIKE = 0.3
+"""Postures in which no joint differs by more, rad, are joined whatever their branches: these meet where an arm is
+singular.
+"""
 
 Sample = tuple[np.ndarray, np.ndarray, float]
 """The middle between the palms (3,), m in W, the direction (3,) from left to right, and the palms' distance, m."""
+
+Postures = tuple[np.ndarray, np.ndarray]
+"""An arm's postures (n, 7), joint 7 at 0, rad, and their angles and branches (n, 2)."""
+
+Pairs = tuple[list[Postures], np.ndarray]
+"""Both arms' postures at a sample, and which pairs of them are free of overlap (n, m)."""
 
 
 class JoinedPostures:
     """Looks for two arms' postures along a way."""
 
-    def __init__(self, seed: int = 0):
-        """Starts are drawn from a seed."""
-        plant = MakeKinematicPlant()
-        self._kinematics = DualArmKinematics(plant)
-        limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(arm) for arm in ARMS])
-        self._lower, self._upper = (array.reshape(2, JOINTS_PER_ARM) for array in (limits.lower, limits.upper))
+    def __init__(self):
+        """Of the two arms as they stand."""
+        self._ik = ClosedFormIk(MakeKinematicPlant())
+        self._angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
         self._checker = ClearanceChecker(max_distance=0.02)
-        rng = np.random.default_rng(seed)
-        starts = rng.uniform(self._lower[:, None], self._upper[:, None], (2, STARTS, JOINTS_PER_ARM))
-        starts[:, 0], starts[..., JOINTS_PER_ARM - 1] = HOME, 0.0
-        self._starts = starts
         self._failed = 0
 
-    def get_along(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> bool:
-        """Whether the arms get to the end of a way; args as of `reached`.
+    def get_along(
+        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, tables: Sequence[TableParameters] = ()
+    ) -> bool:
+        """Whether the arms get to the end of a way; args as of `reached`."""
+        return self.reached(middles, yaw, apart, tables) == len(middles)
 
-        Looks first where the way before was at an end: on its neighbour it mostly is, too.
-        """
-        near = slice(max(self._failed - BEFORE, 0), self._failed + AFTER)
-        window = _way(middles, yaw, apart)[near]
-        if self._failed and window and self._reached(window, capsules=True)[0] < len(window):
-            return False
-        got = self.reached(middles, yaw, apart)
-        if got < len(middles):
-            self._failed = got
-        return got == len(middles)
+    def reached(
+        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, tables: Sequence[TableParameters] = ()
+    ) -> int:
+        """How many samples the arms get along a way; all K only where they get to its end.
 
-    def reached(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> int:
-        """How many samples the arms get along a way at most; all K only where they get to its end.
+        A sample without any posture counts as the first that is not got to, whatever lies before it.
 
         Args:
             middles: (K, 3) between the palms, m in W.
             yaw: (K,) of the line between the palms, left to right, rad.
             apart: (K,) the palms' distance, m.
+            tables: that the links do not get into.
         """
-        way = _way(middles, yaw, apart)
-        # Capsules overlap or do not in all pairs at once, so they are asked first.
-        got, _ = self._reached(way, capsules=True)
+        way, known = _way(middles, yaw, apart), {}
+        # Where a way comes to an end its neighbours mostly do, too.
+        for k in sorted(range(len(way)), key=lambda k: abs(k - self._failed)):
+            known[k] = self._free(way[k])
+            if not known[k][1].any():
+                self._failed = k
+                return k
+        in_order = [known[k] for k in range(len(way))]
+        got = _joined_up(in_order)
         if got < len(way):
             return got
-        # Where it is easy a few pairs do; only where there were more is what fails so looked at in full.
-        got, all_pairs = self._reached(way, most=FEW)
-        return got if all_pairs or got == len(way) else self._reached(way)[0]
+        around = ClearanceChecker(tables, max_distance=0.02, among_arms=False)
+        return _joined_up([(now, free & _clear(around, *(q for q, _ in now))) for now, free in in_order])
 
-    def _reached(self, way: Sequence[Sample], *, capsules: bool = False, most: int | None = None) -> tuple[int, bool]:
-        """How many samples the arms get along.
+    def _free(self, sample: Sample) -> Pairs:
+        now = self._both(sample)
+        postures = [q for q, _ in now]
+        free = np.zeros([len(q) for q in postures], dtype=bool)
+        return now, ~self._checker.overlapping(*postures) if free.size else free
 
-        Args:
-            way: its samples.
-            capsules: only capsules count.
-            most: so many pairs of postures a sample at most; None: all.
-
-        Returns:
-            The number, and whether no pair was left out.
-        """
-        all_pairs = True
-        before, there = [np.empty((0, JOINTS_PER_ARM))] * 2, np.empty((0, 0), dtype=bool)
-        for k, sample in enumerate(way):
-            now = self._both(sample, before)
-            if k == 0:
-                possible = np.ones([len(postures) for postures in now], dtype=bool)
-            else:
-                left, right = (_near(*two) for two in zip(before, now, strict=True))
-                possible = (left.T.astype(int) @ there.astype(int) @ right.astype(int)) > 0
-            there = possible & ~self._checker.overlapping(*now) if possible.any() else possible
-            if not capsules:
-                there = self._free(now, there, most)
-            if not there.any():
-                return k, all_pairs
-            all_pairs = all_pairs and (most is None or there.sum() < most)
-            before = now
-        return len(way), all_pairs
-
-    def _both(self, sample: Sample, before: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def _both(self, sample: Sample) -> list[Postures]:
         """Both arms' `_postures` at a sample."""
         middle, normal, apart = sample
         return [
-            self._postures(arm, middle + sign * 0.5 * apart * normal, -sign * normal, before[arm])
+            self._postures(arm, middle + sign * 0.5 * apart * normal, -sign * normal)
             for arm, sign in enumerate((-1.0, 1.0))
         ]
 
-    def _postures(self, arm: int, palm: np.ndarray, normal: np.ndarray, before: np.ndarray) -> np.ndarray:
-        """An arm's postures (n, 7) at a palm's position and normal, joint 7 at 0."""
-        if np.linalg.norm(palm - self._kinematics.shoulders[arm]) > self._kinematics.arm_length[arm]:
-            return np.empty((0, JOINTS_PER_ARM))
-        starts = np.concatenate([before, self._starts[arm]])
-        swivels = np.repeat(np.linspace(-np.pi, np.pi, SWIVELS, endpoint=False), len(starts))
-        guesses, count = np.tile(starts, (SWIVELS, 1)), len(swivels)
-        quaternion = RotationMatrix.MakeFromOneVector(normal, 2).ToQuaternion().wxyz()
-        pose = np.tile(np.concatenate([quaternion, palm]), (count, 1))
-        q, solved = newton_postures(self._kinematics, np.full(count, arm), guesses, pose, swivels, ITERATIONS)
-        lower, upper = self._lower[arm], self._upper[arm]
-        q = lower + (q[solved] - lower) % (2.0 * np.pi)
-        q = q[((q >= lower) & (q <= upper)).all(axis=1)]
-        return q[np.unique(np.round(q / ALIKE), axis=0, return_index=True)[1]]
-
-    def _free(self, postures: Sequence[np.ndarray], possible: np.ndarray, most: int | None) -> np.ndarray:
-        """Those of the possible pairs in which nothing overlaps; the first so many in a random order."""
-        free, pairs = np.zeros_like(possible), np.argwhere(possible)
-        for left, right in pairs if most is None else np.random.default_rng(0).permutation(pairs):
-            q = np.concatenate([postures[0][left], postures[1][right]])
-            free[left, right] = self._checker.min_clearance(q)[0] >= 0.0
-            if most is not None and free.sum() >= most:
-                break
-        return free
+    def _postures(self, arm: int, palm: np.ndarray, normal: np.ndarray) -> Postures:
+        q = self._ik.postures(arm, palm, normal, self._angles)
+        within = self._ik.within_limits(arm, q)
+        return q[within], np.argwhere(within)
 
 
 def _way(middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> list[Sample]:
@@ -157,6 +103,46 @@ def _way(middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> list[Sample
     return list(zip(middles, normals, apart, strict=True))
 
 
-def _near(before: np.ndarray, now: np.ndarray) -> np.ndarray:
-    """Which of n postures lie near which of m: (n, m)."""
-    return np.abs(before[:, None] - now).max(axis=-1, initial=0.0) <= MOVE
+def _joined_up(samples: Sequence[Pairs]) -> int:
+    """How many samples are got to from the first, from pair to pair of those that are free."""
+    before, there = [], np.empty((0, 0), dtype=bool)
+    for k, (now, free) in enumerate(samples):
+        if k:
+            left, right = (_joined(*two) for two in zip(before, now, strict=True))
+            there = (left.T @ there.astype(np.float32) @ right > 0) & free
+        else:
+            there = free
+        there = _grown(there, free, *(_joined(one, one) for one in now))
+        if not there.any():
+            return k
+        before = now
+    return len(samples)
+
+
+def _joined(one: Postures, other: Postures) -> np.ndarray:
+    """Which of n postures an arm gets to from which of m without passing others: (n, m), 0 or 1."""
+    (q, places), (other_q, other_places) = one, other
+    turned = np.abs(places[:, None, 0] - other_places[:, 0])
+    beside = np.minimum(turned, ANGLES - turned) <= 1
+    same = places[:, None, 1] == other_places[:, 1]
+    alike = np.abs(q[:, None] - other_q).max(axis=-1, initial=0.0) <= ALIKE
+    return ((beside & same) | alike).astype(np.float32)
+
+
+def _grown(there: np.ndarray, free: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The pairs (n, m) that are got to from some by turning elbows, of those that are free."""
+    while there.any():
+        more = (left @ there.astype(np.float32) @ right > 0) & free
+        if np.array_equal(more, there):
+            break
+        there = more
+    return there
+
+
+def _clear(around: ClearanceChecker, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Which pairs of n and m postures overlap nothing that stands around: (n, m)."""
+    clear = np.zeros((2, max(len(left), len(right))), dtype=bool)
+    for i in range(clear.shape[1]):
+        both = np.concatenate([left[min(i, len(left) - 1)], right[min(i, len(right) - 1)]])
+        clear[:, i] = around.link_clearances(both) >= 0.0
+    return clear[0, : len(left), None] & clear[1, : len(right)]

@@ -16,9 +16,10 @@ from drake_blfdmp.planning.moved_carry import ShiftWindow
 from drake_blfdmp.planning.plan import MakePlan
 from drake_blfdmp.planning.planned import IndexAt
 from drake_blfdmp.planning.scenario import Scenario
-from drake_blfdmp.planning.sources import LoadSource
-from drake_blfdmp.planning.supports import LEVEL_WITHIN
+from drake_blfdmp.planning.sources import LoadSource, Source
+from drake_blfdmp.planning.supports import LEVEL_WITHIN, MakeSupports
 from drake_blfdmp.planning.task import BoxHands, MakeMotion, MakeTask, RollOutTask
+from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.skill.profiles import smooth_step
 
 PLACES_TRIED = 4
@@ -71,14 +72,18 @@ def check_reach(scenario: Scenario) -> tuple[bool, str]:
     What the search finds is given to the planner, place and scale fixed: a plan there that succeeds shows that the
     refusal was wrong. Where none does, nothing is shown.
     """
-    fine, middle = wanted_way(scenario)
+    source = LoadSource(scenario)
+    fine, middle = wanted_way(scenario, source)
     apart = np.array([distances[0] for distances in fine.apart])
     search, joined, looked_at, had, found = ReachSearch(), JoinedPostures(), 0, 0, []
     for share in YAW_SHARES:  # As the planner may limit it.
         yaw = share * np.clip(fine.yaw, -LARGEST_YAW, LARGEST_YAW)
 
         def gets_along(place: np.ndarray, scale: float, yaw: np.ndarray = yaw) -> bool:
-            return joined.get_along(fine.middles(place, scale), yaw, apart)
+            middles = fine.middles(place, scale)
+            return joined.get_along(
+                middles, yaw, apart, tables_of(scenario, source, middles, yaw) if fine.level else ()
+            )
 
         places, *counts = search.search(every_other(replace(fine, yaw=yaw)), most=PLACES_TRIED, joined=gets_along)
         looked_at, had = looked_at + counts[0], had + counts[1]
@@ -167,9 +172,16 @@ def run_anyway(
     return summary["success"], " ".join(summary["failures"]) or f"carried with up to {greatest:.0f} N", ""
 
 
-def wanted_way(scenario: Scenario) -> tuple[Way, np.ndarray]:
+def tables_of(scenario: Scenario, source: Source, middles: np.ndarray, yaw: np.ndarray) -> list[TableParameters]:
+    """The table under both ends of a carry of which the hands' middle goes through (K, 3), m in W, turned by (K,)."""
+    shape = scenario.box
+    box = BoxParameters(source.dimensions.box_width or 0.0, shape.depth, shape.height, shape.mass, shape.friction)
+    ends = [np.append(middles[k] - [0.0, 0.0, scenario.task.grasp_above], yaw[k]) for k in (0, -1)]
+    return MakeSupports(*ends, box, same_level=True)
+
+
+def wanted_way(scenario: Scenario, source: Source) -> tuple[Way, np.ndarray]:
     """What the carry asks for, and the hands' middle (3,) at the grasp, seen from between the shoulders, m."""
-    source = LoadSource(scenario)
     task = MakeTask(scenario, source, MakeMotion(scenario, source))
     coupled = RollOutTask(scenario, task)
     first, last = (IndexAt(coupled, t) for t in task.held)

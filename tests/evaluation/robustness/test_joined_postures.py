@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from drake_blfdmp.evaluation.robustness import joined_postures
-from drake_blfdmp.evaluation.robustness.joined_postures import JoinedPostures
+from drake_blfdmp.evaluation.robustness.joined_postures import JoinedPostures, _grown, _joined, _joined_up
+from drake_blfdmp.robot.box import TableParameters
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 
@@ -34,15 +34,15 @@ def test_postures_are_ones(joined, arm):
     own = slice(7 * arm, 7 * arm + 7)
     normal = np.array([np.cos(0.3), np.sin(0.3), 0.0]) * (1.0, -1.0)[arm]
     palm = EASY - 0.15 * normal
-    found = joined._postures(arm, palm, normal, np.empty((0, 7)))
-    assert len(found) >= 20  # Of many swivel angles.
+    found, places = joined._postures(arm, palm, normal)
+    assert len(found) == len(places) >= 20  # Of many swivel angles.
     kinematics, q, swivels = DualArmKinematics(plant), np.zeros(14), []
     for posture in found:
         assert np.all(posture >= limits.lower[own]) and np.all(posture <= limits.upper[own])
         q[own] = posture
         state = kinematics.evaluate(q)[arm]
-        np.testing.assert_allclose(state.position, palm, atol=1e-5)
-        np.testing.assert_allclose(state.rotation[:, 2], normal, atol=1e-5)
+        np.testing.assert_allclose(state.position, palm, atol=1e-9)
+        np.testing.assert_allclose(state.rotation[:, 2], normal, atol=1e-9)
         swivels.append(state.swivel)
     assert np.ptp(swivels) > 1.0
 
@@ -61,20 +61,59 @@ def test_the_sample_that_is_out_of_reach_is_told(joined):
 
 def test_palms_that_are_nearly_one_are_arms_that_overlap(joined):
     """Both palms are reached, by postures that overlap."""
-    assert len(joined._postures(0, EASY, np.array([1.0, 0.0, 0.0]), np.empty((0, 7))))
-    assert reached(joined, along(EASY, EASY), apart=-0.12) == 0
+    assert len(joined._postures(0, EASY, np.array([1.0, 0.0, 0.0]))[0])
+    assert reached(joined, along(EASY, EASY), apart=-0.12) < SAMPLES
 
 
-def test_a_jump_is_none(joined, monkeypatch):
+def test_links_do_not_get_into_a_table(joined):
+    """One that stands where the arms' links are, whatever the elbows do; one under the box is in nobody's way."""
     middles = along(EASY, EASY + RISE)
-    monkeypatch.setattr(joined_postures, "MOVE", 0.01)
-    assert reached(joined, middles) == 1
+    yaw, apart = np.zeros(SAMPLES), np.full(SAMPLES, 0.3)
+    below = TableParameters(name="table", top_center=(0.0, 0.47, 0.6), size=(0.3, 0.2))
+    among = TableParameters(name="table", top_center=(0.0, 0.0, 0.8), size=(0.6, 0.2))
+    assert joined.get_along(middles, yaw, apart, [below])
+    assert not joined.get_along(middles, yaw, apart, [among])
+    assert joined.get_along(middles, yaw, apart)
+
+
+def postures(branches, angles, q):
+    return np.array(q, dtype=float)[:, None] * np.ones(7), np.stack([angles, branches], axis=-1)
+
+
+def test_a_jump_is_none():
+    """From branch to branch and past angles that are not there nothing is joined, unless the postures are alike."""
+    here = postures([0, 0, 1], [3, 71, 5], [0.0, 1.0, 2.0])
+    there = postures([0, 0, 0, 1], [4, 5, 0, 3], [0.9, 0.8, 3.0, 2.2])
+    np.testing.assert_array_equal(_joined(here, there), [[1, 0, 0, 0], [1, 1, 1, 0], [0, 0, 0, 1]])
+
+
+def test_elbows_may_turn_while_the_palms_wait_as_far_as_the_pairs_are_free():
+    chain = np.eye(6, dtype=np.float32) + np.eye(6, k=1, dtype=np.float32) + np.eye(6, k=-1, dtype=np.float32)
+    free = np.ones((6, 6), dtype=bool)
+    free[3] = False  # Of the left arm's postures the fourth is never free.
+    there = np.zeros((6, 6), dtype=bool)
+    there[0, 0] = True
+    grown = _grown(there, free, chain, chain)
+    assert grown[:3].all() and not grown[3:].any()
+    assert not _grown(np.zeros((6, 6), dtype=bool), free, chain, chain).any()
+
+
+def test_a_way_that_only_a_turning_elbow_gets_along_is_got_along():
+    """Two samples whose free pairs are far apart, and one between them at which the elbows may turn."""
+    line = postures(np.zeros(9, dtype=int), np.arange(9), 2.0 * np.arange(9))
+    first, last, all_free = np.zeros((9, 9), dtype=bool), np.zeros((9, 9), dtype=bool), np.ones((9, 9), dtype=bool)
+    first[0, 0] = last[8, 8] = True
+    both = [line, line]
+    assert _joined_up([(both, first), (both, all_free), (both, last)]) == 3
+    wall = all_free.copy()
+    wall[4] = False
+    assert _joined_up([(both, first), (both, wall), (both, last)]) == 2
 
 
 def test_where_another_way_failed_says_nothing_of_one_that_goes_well():
     joined, yaw, apart = JoinedPostures(), np.zeros(SAMPLES), np.full(SAMPLES, 0.3)
     middles = along(EASY, EASY + RISE)
-    for k in (4, 4, 8, 0, 2):  # The second time it is looked at there first.
+    for k in (4, 8, 0):
         broken = middles.copy()
         broken[k, 1] = 1.6
         assert not joined.get_along(broken, yaw, apart)
