@@ -27,6 +27,16 @@ def segment_distances(a, b, c, d):
     return np.sqrt(dot(between, between))
 
 
+def _squares(one, other):
+    """Squares of the distances of points (n, K, 3) and (m, K, 3): (K, n, m), m^2."""
+    one, other = one.swapaxes(0, 1), other.swapaxes(0, 1)
+    return dot(one, one)[:, :, None] + dot(other, other)[:, None] - 2.0 * (one @ other.swapaxes(1, 2))
+
+
+BLOCK = 32
+"""So many pairs of capsules are looked at at once, of many postures."""
+
+
 class CapsulePairs:
     """The pairs of capsules of a plant that may collide."""
 
@@ -89,15 +99,20 @@ class CapsulePairs:
             for model, ends in ((one, ends_one), (other, ends_other))
         ]
         overlap = own[0][:, None] | own[1]
-        for pair in np.flatnonzero(models[0] != models[1]):
-            mine, its = self._first[pair], self._second[pair]
-            if self._instances[mine] != int(one):
-                mine, its = its, mine
-            a, b, c, d = ends_one[:, mine, 0], ends_one[:, mine, 1], ends_other[:, its, 0], ends_other[:, its, 1]
-            apart = 0.5 * ((a + b)[:, None] - (c + d))
-            i, j = np.nonzero(~overlap & (dot(apart, apart) <= (np.sqrt(self._spheres[pair]) + clearance) ** 2))
-            radii = self._radii[mine] + self._radii[its] + clearance
-            overlap[i, j] = segment_distances(a[i], b[i], c[j], d[j]) <= radii
+        across = np.flatnonzero(models[0] != models[1])
+        swapped = models[0][across] != int(one)
+        mine = np.where(swapped, self._second[across], self._first[across])
+        its = np.where(swapped, self._first[across], self._second[across])
+        radii = self._radii[mine] + self._radii[its] + clearance
+        spheres = (np.sqrt(self._spheres[across]) + clearance) ** 2
+        centres_one, centres_other = (0.5 * (ends[:, :, 0] + ends[:, :, 1]) for ends in (ends_one, ends_other))
+        for block in np.split(np.arange(len(across)), range(BLOCK, len(across), BLOCK)):
+            # What overlaps already need not be looked at again, so not all at once.
+            squares = _squares(centres_one[:, mine[block]], centres_other[:, its[block]])
+            k, i, j = np.nonzero((squares <= spheres[block, None, None]) & ~overlap)
+            (a, b), (c, d) = ends_one[i, mine[block][k]].swapaxes(0, 1), ends_other[j, its[block][k]].swapaxes(0, 1)
+            hit = segment_distances(a, b, c, d) <= radii[block][k]
+            overlap[i[hit], j[hit]] = True
         return overlap
 
     def _any_overlap(self, ends: np.ndarray, chosen: np.ndarray, clearance: float) -> np.ndarray:

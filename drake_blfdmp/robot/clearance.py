@@ -1,6 +1,7 @@
 """The least distance between bodies that must not touch."""
 
 from collections.abc import Sequence
+from itertools import zip_longest
 
 import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
@@ -169,12 +170,13 @@ class ClearanceChecker:
         Returns:
             (n, m) booleans.
         """
-        ends = [
-            np.array([self._ends(arm, q) for q in postures])
-            for arm, postures in zip(self._arms, (left, right), strict=True)
-        ]
+        both = np.array([self._ends(*pair) for pair in zip_longest(left, right)])
+        ends = both[: len(left)], both[: len(right)]
         return self._capsules.overlapping(*self._arms, *ends, clearance)
 
-    def _ends(self, arm, q) -> np.ndarray:
-        self.plant.SetPositions(self._plant_context, arm, q)
+    def _ends(self, *postures) -> np.ndarray:
+        """In a posture of either arm; None leaves one as it is."""
+        for arm, q in zip(self._arms, postures, strict=True):
+            if q is not None:
+                self.plant.SetPositions(self._plant_context, arm, q)
         return self._capsules.ends(self._plant_context)
