@@ -16,8 +16,8 @@ import numpy as np
 from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
 from drake_blfdmp.robot.plant import MakeKinematicPlant
 
-REGION = (np.array([-0.36, 0.12, 0.12]), np.array([0.36, 0.90, 1.50]))
-"""Corners of where the hands' middle is looked for at the grasp, m in W."""
+REGION = (np.array([-0.84, -0.84, 0.0]), np.array([0.84, 1.08, 1.68]))
+"""Corners of where the hands' middle is looked for at the grasp, m in W: as far around as arms reach."""
 MIDDLE = np.array([0.0, 0.47, 0.72])
 """Where the search begins, m in W."""
 SPACING = 0.06

@@ -8,7 +8,7 @@ from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver
 
 from drake_blfdmp.evaluation.robustness import refusals
-from drake_blfdmp.evaluation.robustness.reach_search import ReachSearch, Way
+from drake_blfdmp.evaluation.robustness.reach_search import REGION, ReachSearch, Way
 from drake_blfdmp.evaluation.robustness.refusals import (
     RefusalCheck,
     check_reach,
@@ -67,6 +67,16 @@ def drake_reaches(plant, arm, palm, normal, rng):
     limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(name) for name in ARMS])
     starts = rng.uniform(limits.lower, limits.upper, (30, 14))
     return any(SnoptSolver().Solve(ik.prog(), start, None).is_success() for start in starts)
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_region_goes_as_far_as_arms_reach(search, axis, side):
+    """On its faces nothing is reached, so beyond them neither: a way that begins there cannot be."""
+    axes = [np.arange(low, high + 1e-9, 0.12) for low, high in zip(*REGION, strict=True)]
+    axes[axis] = np.array([REGION[side][axis]])
+    face = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    assert not any(search.facing(face, 0.2, yaw).any() for yaw in (-0.7, 0.0, 0.7))
 
 
 def test_what_is_out_of_reach_has_none(search):
