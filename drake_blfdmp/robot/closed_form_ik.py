@@ -11,7 +11,7 @@ joint 7.
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 
-from drake_blfdmp.robot.plant import ARMS, JOINTS_PER_ARM, ReadJointLimits
+from drake_blfdmp.robot.plant import ARMS, JOINTS_PER_ARM, JointLimits, ReadJointLimits
 from drake_blfdmp.vectors import cross, dot
 
 BRANCHES = 8
@@ -21,18 +21,18 @@ _SIGNS = np.array([[one, two, three] for one in (1.0, -1.0) for two in (1.0, -1.
 
 
 class ClosedFormIk:
-    """The postures of both arms, of lengths and limits read from a plant.
+    """The postures of both arms, of lengths read from a plant.
 
     Attributes:
         lower, upper: (2, 7) limits of the joints, rad.
     """
 
-    def __init__(self, plant: MultibodyPlant):
-        """Of a finalized plant with both arms, their bases welded to the world."""
+    def __init__(self, plant: MultibodyPlant, limits: JointLimits | None = None):
+        """Of a finalized plant with both arms, their bases welded to the world; None takes the plant's own limits."""
         context = plant.CreateDefaultContext()
         plant.SetPositions(context, np.zeros(plant.num_positions()))
         instances = [plant.GetModelInstanceByName(arm) for arm in ARMS]
-        limits = ReadJointLimits(plant, instances)
+        limits = limits or ReadJointLimits(plant, instances)
         self.lower, self.upper = (array.reshape(2, JOINTS_PER_ARM) for array in (limits.lower, limits.upper))
         self._bases, self._shoulders = np.empty((2, 3, 3)), np.empty((2, 3))
         for arm, instance in enumerate(instances):

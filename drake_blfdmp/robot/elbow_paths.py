@@ -6,6 +6,7 @@ cheapest chain of pairs is found by dynamic programming: the joints move little,
 """
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +15,10 @@ from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
 from drake_blfdmp.robot.kinematics import DualArmKinematics
-from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits, MakeKinematicPlant
+from drake_blfdmp.robot.plant import JointLimits, MakeKinematicPlant
 from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.swivel import wrap
-from drake_blfdmp.robot.tracking import bent_limits, rotation_matrix
+from drake_blfdmp.robot.tracking import rotation_matrix
 
 ANGLES = 72
 """Of a wrist about the palm's normal that are looked at, all around."""
@@ -51,20 +52,31 @@ class Scene:
 
     def __init__(self, tables: Sequence[TableParameters], box: BoxParameters, poses, clearance: float):
         """Keep a clearance, m, from the tables and from the box at poses (N, 7) X_WB, one a sample."""
-        self._checker = ClearanceChecker(tables, box, max_distance=2.0 * clearance, among_arms=False)
+        self._checker = ClearanceChecker(tables, box, max_distance=clearance + 0.02, among_arms=False)
         self._poses, self._clearance = poses, clearance
+
+    def clear(self, k: int, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Which pairs of n postures of the left arm and m of the right one are far enough from it at sample k.
+
+        Args:
+            left: (n, 7) rad, n > 0.
+            right: (m, 7) rad, m > 0.
+
+        Returns:
+            (n, m) booleans.
+        """
+        X_WB = rigid(self._poses[k])
+        clear = [np.zeros(len(postures), dtype=bool) for postures in (left, right)]
+        for i in range(max(len(left), len(right))):
+            pair = min(i, len(left) - 1), min(i, len(right) - 1)
+            distances = self._checker.link_clearances(np.concatenate([left[pair[0]], right[pair[1]]]), X_WB)
+            for arm in (0, 1):
+                clear[arm][pair[arm]] = distances[arm] >= self._clearance
+        return clear[0][:, None] & clear[1]
 
     def cleared(self, k: int, sample: _Sample) -> _Sample:
         """Sample k without the pairs of which one is too near."""
-        X_WB = rigid(self._poses[k])
-        counts = [len(postures) for postures in sample.postures]
-        clear = [np.zeros(count, dtype=bool) for count in counts]
-        for i in range(max(counts)):
-            pair = [min(i, count - 1) for count in counts]
-            distances = self._checker.link_clearances(_both(sample, *pair), X_WB)
-            for arm in (0, 1):
-                clear[arm][pair[arm]] = distances[arm] >= self._clearance
-        return sample._replace(free=sample.free & clear[0][:, None] & clear[1])
+        return sample._replace(free=sample.free & self.clear(k, *sample.postures))
 
 
 class ElbowPaths:
@@ -75,14 +87,10 @@ class ElbowPaths:
         kinematics: DualArmKinematics,
         limits: JointLimits,
         checker: ClearanceChecker,
-        joint_margin: float,
         clearance: float,
     ):
-        """Keep a margin from the joints' limits, rad, and a clearance of the arms among themselves, m."""
-        self._ik = ClosedFormIk(MakeKinematicPlant())
-        bent = bent_limits(limits, kinematics.straight_elbow)
-        self._lower = bent.lower.reshape(2, JOINTS_PER_ARM) + joint_margin
-        self._upper = bent.upper.reshape(2, JOINTS_PER_ARM) - joint_margin
+        """Stay within the joints' limits and keep a clearance of the arms among themselves, m."""
+        self._ik = ClosedFormIk(MakeKinematicPlant(), limits)
         self._kinematics, self._checker, self._clearance = kinematics, checker, clearance
         self._angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
         self._failed = 0
@@ -95,14 +103,16 @@ class ElbowPaths:
             swivel: (N, 2) the person's swivel angles, rad.
             scene: makes what stands around, which the links keep clear of, too; asked where it matters.
         """
-        known: dict[int, _Sample] = {}
+        samples = self._samples(np.asarray(pose), np.asarray(swivel))
+        # An arm that does not get along alone need not be looked at beside the other.
+        if not all(_passable(samples, arm) for arm in (0, 1)):
+            return None
         # Where a way comes to an end its neighbours mostly do, too.
         for k in sorted(range(len(pose)), key=lambda k: abs(k - self._failed)):
-            known[k] = self._sample(pose[k], swivel[k])
-            if not known[k].free.any():
+            samples[k] = self._parted(samples[k])
+            if not samples[k].free.any():
                 self._failed = k
                 return None
-        samples = [known[k] for k in range(len(pose))]
         chosen = _chain(samples)
         if scene is not None and len(chosen) == len(samples):
             around = scene()
@@ -117,33 +127,47 @@ class ElbowPaths:
         # The ends first, then by halves: what lies between is mostly reached where its neighbours are.
         for k in sorted(range(count), key=lambda k: (0 < k < count - 1, -(k & -k))):
             for arm in (0, 1):
-                palms = pose[:, k, arm, 4:]
-                normals = np.moveaxis(rotation_matrix(np.moveaxis(pose[:, k, arm, :4], -1, 0))[:, 2], 0, -1)
+                palms, normals = pose[:, k, arm, 4:], _normals(pose[:, k, arm])
                 there &= self._ik.may_reach(arm, palms, normals)
                 left = np.flatnonzero(there)
                 for rows in np.split(left, range(CHUNK, len(left), CHUNK)):
                     q = self._ik.postures(arm, palms[rows], normals[rows], self._angles)
-                    there[rows] = self._inner(arm, q).any(axis=(1, 2))
+                    there[rows] = self._ik.within_limits(arm, q).any(axis=(1, 2))
         return there
 
-    def _inner(self, arm: int, q: np.ndarray) -> np.ndarray:
-        return np.all((q >= self._lower[arm]) & (q <= self._upper[arm]), axis=-1)
+    def _samples(self, pose: np.ndarray, swivel: np.ndarray) -> list[_Sample]:
+        """All postures at poses (N, 2, 7), and all pairs of them."""
+        arms = [self._postures(arm, pose[:, arm], swivel[:, arm]) for arm in (0, 1)]
+        return [
+            _Sample(*map(list, zip(*both, strict=True)), np.ones([len(q) for q, *_ in both], dtype=bool))
+            for both in zip(*arms, strict=True)
+        ]
 
-    def _sample(self, palms, swivel) -> _Sample:
-        postures, places, costs = [], [], []
-        for arm, palm in enumerate(palms):
-            q = self._ik.postures(arm, palm[4:], rotation_matrix(palm[:4])[:, 2], self._angles)
-            inner = self._inner(arm, q)
-            q, place = q[inner], np.argwhere(inner)
-            psi = self._kinematics.chains.evaluate(np.full(len(q), arm), q)[3]
-            up = np.abs(wrap(np.pi - psi)) <= FARTHEST_SWING
-            postures.append(q[up])
-            places.append(place[up])
-            costs.append(AS_THE_PERSON * wrap(psi[up] - swivel[arm]) ** 2)
-        free = np.zeros([len(q) for q in postures], dtype=bool)
-        if free.size:
-            free = ~self._checker.overlapping(*postures, self._clearance)
-        return _Sample(postures, places, costs, free)
+    def _postures(
+        self, arm: int, pose: np.ndarray, swivel: np.ndarray
+    ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """An arm's at poses (N, 7): of each its postures, their places and costs, as in `_Sample`."""
+        normals = _normals(pose)
+        q = self._ik.postures(arm, pose[:, 4:], normals, self._angles)
+        inner = np.argwhere(self._ik.within_limits(arm, q))
+        q = q[tuple(inner.T)]
+        psi = self._kinematics.chains.evaluate(np.full(len(q), arm), q)[3]
+        up = np.abs(wrap(np.pi - psi)) <= FARTHEST_SWING
+        inner, q, psi = inner[up], q[up], psi[up]
+        costs = AS_THE_PERSON * wrap(psi - swivel[inner[:, 0]]) ** 2
+        ends = np.searchsorted(inner[:, 0], np.arange(1, len(pose)))
+        return list(zip(*(np.split(array, ends) for array in (q, inner[:, 1:], costs)), strict=True))
+
+    def _parted(self, sample: _Sample) -> _Sample:
+        """The sample without the pairs that are too near to each other, or an arm to itself."""
+        if not sample.free.size:
+            return sample
+        return sample._replace(free=~self._checker.overlapping(*sample.postures, self._clearance))
+
+
+def _normals(pose: np.ndarray) -> np.ndarray:
+    """The palms' normals (N, 3) of X_WP (N, 7)."""
+    return rotation_matrix(np.moveaxis(pose[:, :4], -1, 0))[:, 2].T
 
 
 def _both(sample: _Sample, i: int, j: int) -> np.ndarray:
@@ -181,10 +205,19 @@ def _chain(samples: Sequence[_Sample]) -> list[tuple[int, int]]:
     return chosen[::-1]
 
 
+def _passable(samples: Sequence[_Sample], arm: int) -> bool:
+    """Whether an arm alone gets from the first sample to the last."""
+    there = np.ones(len(samples[0].postures[arm]), dtype=bool)
+    for before, now in pairwise(samples):
+        there = np.isfinite(_steps(before, now, arm)[there]).any(axis=0)
+    return bool(there.any())
+
+
 def _steps(before: _Sample, now: _Sample, arm: int) -> np.ndarray:
     """The costs (n, m) of going from an arm's postures to those of the next sample: infinite for a jump."""
     moved = before.postures[arm][:, None] - now.postures[arm]
     (angle, branch), (next_angle, next_branch) = (sample.places[arm].T for sample in (before, now))
     turned = np.abs((angle[:, None] - next_angle + ANGLES // 2) % ANGLES - ANGLES // 2)
-    near = (turned <= TURN) & (branch[:, None] == next_branch)
+    # What differs by more than half a turn has a joint's limits on the way.
+    near = (turned <= TURN) & (branch[:, None] == next_branch) & (np.abs(moved) < np.pi).all(axis=-1)
     return np.where(near, (moved**2).sum(axis=-1), np.inf)

@@ -15,10 +15,10 @@ from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits
 from drake_blfdmp.robot.reach import CALM, CENTRE, SCALES, WIDE, calmed, largest_scale
 from drake_blfdmp.robot.reach_evaluation import (
     CLEARANCE,
-    JOINT_MARGIN,
     SAMPLES,
     Reach,
     evaluate_all,
+    kept_limits,
     palms_of,
     samples_of,
 )
@@ -26,8 +26,8 @@ from drake_blfdmp.robot.retargeting import FADING, Retarget
 from drake_blfdmp.robot.swings import Swings
 from drake_blfdmp.robot.swivel import wrap
 
-PLACES = sorted(WIDE, key=lambda shift: float(np.linalg.norm(shift)))
-"""Where the middle of the motion is put, seen from `CENTRE`, m; nearest first."""
+PLACES = CENTRE + np.array(sorted(WIDE, key=lambda shift: float(np.linalg.norm(shift))))
+"""Where the middle of the motion is put, m in W; nearest to `CENTRE` first."""
 
 FREE = (FADING, FADING + 0.1)
 """Limits of a swing that is followed as it is, rad."""
@@ -78,22 +78,25 @@ def find_led_reach(
         person = 0.5 * (x[:, 0] + x[:, 3]).mean(axis=0)
     hands = 0.5 * (x[:, 2] + x[:, 5])
     middle = 0.5 * (hands.min(axis=0) + hands.max(axis=0)) - person
-    paths = ElbowPaths(
-        kinematics, limits, ClearanceChecker(max_distance=0.1), JOINT_MARGIN, clearance=CLEARANCE + SPARE
-    )
+    checker = ClearanceChecker(max_distance=0.1)
+    paths = ElbowPaths(kinematics, kept_limits(limits, kinematics), checker, CLEARANCE + SPARE)
     scales = [s for s in SCALES if s <= max(largest_scale(hands), SCALES[-1])] if scale is None else [scale]
     for k, s in enumerate(scales):
-        places = [CENTRE + shift - s * middle for shift in PLACES] if world is None else [np.asarray(world)]
-        retargets = [calmed(Retarget(s, person, place, np.zeros(2), level), calms[-1]) for place in places]
-        poses, swivels = palms_of(x[tried], retargets, None if turn is None else turn[tried])
+        places = PLACES - s * middle if world is None else np.asarray(world)[None]
+        first = calmed(Retarget(s, person, places[0], np.zeros(2), level), calms[-1])
+        # From place to place the palms are shifted, and nothing else changes.
+        (pose,), (swivel,) = palms_of(x[tried], [first], None if turn is None else turn[tried])
+        poses = np.repeat(pose[None], len(places), axis=0)
+        poses[..., 4:] += (places - places[0])[:, None, None]
         possible = np.flatnonzero(paths.may_be(poses))
         for done, i in enumerate(possible):
             progress((k + done / len(possible)) / len(scales))
-            q = paths.find(poses[i], swivels[i], scene and partial(scene, retargets[i], tried))
+            retarget = replace(first, world=places[i])
+            q = paths.find(poses[i], swivel, scene and partial(scene, retarget, tried))
             if q is None:
                 continue
             swings = Swings(t[tried], _smooth_swings(kinematics, q))
-            free = replace(retargets[i], swing_out=FREE, swing_in=FREE)
+            free = replace(retarget, swing_out=FREE, swing_in=FREE)
             reach = reach_of_led(t, swings.of(t, x), anchor, free, q[grasp], kinematics, limits, turn)
             if reach is not None:
                 progress(1.0)

@@ -12,6 +12,7 @@ from drake_blfdmp.robot.plant import JointLimits
 from drake_blfdmp.robot.posture import palm_rolls, starting_postures
 from drake_blfdmp.robot.retargeting import Retarget, retarget_motion
 from drake_blfdmp.robot.swings import Swings
+from drake_blfdmp.robot.tracking import bent_limits
 
 SAMPLES = 60
 """Of a motion, that are followed."""
@@ -65,6 +66,12 @@ class Reach:
         following = self.following
         spare = min(following.joint_margin, following.shoulder_lean, 4.0 * self.clearance)
         return self.sound and spare >= COMFORT
+
+
+def kept_limits(limits: JointLimits, kinematics: DualArmKinematics) -> JointLimits:
+    """The limits (14,) within which a sound reach stays: a margin inside of the joints' own, and no elbow straight."""
+    bent = bent_limits(limits, kinematics.straight_elbow)
+    return replace(bent, lower=bent.lower + JOINT_MARGIN, upper=bent.upper - JOINT_MARGIN)
 
 
 def needed_stretch(t, q, limits: JointLimits) -> float:

@@ -11,6 +11,7 @@ from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.elbow_paths import ElbowPaths, Scene
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, JOINTS_PER_ARM, MakeKinematicPlant, ReadJointLimits
+from drake_blfdmp.robot.reach_evaluation import JOINT_MARGIN, kept_limits
 from drake_blfdmp.robot.retargeting import palm_offsets
 from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.tracking import rotation_matrix
@@ -18,14 +19,14 @@ from drake_blfdmp.robot.tracking import rotation_matrix
 PLANT = MakeKinematicPlant()
 LIMITS = ReadJointLimits(PLANT, [PLANT.GetModelInstanceByName(arm) for arm in ARMS])
 KINEMATICS = DualArmKinematics(PLANT)
-MARGIN, CLEARANCE = 0.09, 0.03
+CLEARANCE = 0.03
 COUNT = 25
 EASY = np.array([0.0, 0.47, 0.80])
 
 
 @pytest.fixture(scope="module")
 def paths():
-    return ElbowPaths(KINEMATICS, LIMITS, ClearanceChecker(max_distance=0.1), MARGIN, CLEARANCE)
+    return ElbowPaths(KINEMATICS, kept_limits(LIMITS, KINEMATICS), ClearanceChecker(max_distance=0.1), CLEARANCE)
 
 
 def way(first, by, apart=0.3, count=COUNT):
@@ -54,7 +55,7 @@ def test_the_palms_are_carried_with_margin_and_clear_without_a_jump(paths):
     normals = rotation_matrix(pose[..., :4].reshape(-1, 4).T)[:, 2].T
     np.testing.assert_allclose(rotation[..., 2], normals, atol=1e-9)
     assert np.all(q[:, [6, 13]] == 0.0)
-    assert np.minimum(q - LIMITS.lower, LIMITS.upper - q).min() >= MARGIN
+    assert np.minimum(q - LIMITS.lower, LIMITS.upper - q).min() >= JOINT_MARGIN
     assert np.abs(np.diff(q, axis=0)).max() < 0.6
     checker = ClearanceChecker(max_distance=0.1)
     assert min(checker.min_clearance(one)[0] for one in q) >= 0.02
@@ -121,7 +122,11 @@ def brute_force(samples):
                     if turned > elbow_paths.TURN or before.places[arm][a, 1] != sample.places[arm][b, 1]:
                         cost = np.inf
                         break
-                    cost += np.sum((before.postures[arm][a] - sample.postures[arm][b]) ** 2)
+                    moved = before.postures[arm][a] - sample.postures[arm][b]
+                    if np.abs(moved).max() >= np.pi:  # By way of a limit.
+                        cost = np.inf
+                        break
+                    cost += np.sum(moved**2)
         best = min(best, cost)
     return best
 
@@ -156,5 +161,16 @@ def test_the_chain_is_the_cheapest(seed):
     if np.isinf(best):
         assert len(chain) < len(samples)
     else:
+        assert all(elbow_paths._passable(samples, arm) for arm in (0, 1))
         assert all(samples[k].free[pair] for k, pair in enumerate(chain))
         assert cost_of(samples, chain) == pytest.approx(best)
+
+
+def test_an_arm_that_does_not_get_along_alone_is_found_without_the_other(paths, monkeypatch):
+    """Its palm leaves its reach for one sample; the pairs are not even looked at."""
+    broken = way(EASY, [0.1, 0.0, 0.25])
+    broken[7, 1, 4:] += [0.0, 0.0, 1.5]
+    samples = paths._samples(broken, UP)
+    assert elbow_paths._passable(samples, 0) and not elbow_paths._passable(samples, 1)
+    monkeypatch.setattr(ElbowPaths, "_parted", None)
+    assert paths.find(broken, UP) is None

@@ -9,11 +9,20 @@ from lifted import ANCHOR, TIME, lift_and_carry
 from drake_blfdmp.errors import TaskError
 from drake_blfdmp.robot import reach as reach_module
 from drake_blfdmp.robot.clearance import ClearanceChecker
+from drake_blfdmp.robot.differential_ik import DEFAULT_GAINS
 from drake_blfdmp.robot.following import Following
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
 from drake_blfdmp.robot.reach import CENTRE, SCALES, SHIFTS, WIDE, find_reach
-from drake_blfdmp.robot.reach_evaluation import ACCELERATION_SHARE, VELOCITY_SHARE, Reach, evaluate, needed_stretch
+from drake_blfdmp.robot.reach_evaluation import (
+    ACCELERATION_SHARE,
+    JOINT_MARGIN,
+    VELOCITY_SHARE,
+    Reach,
+    evaluate,
+    kept_limits,
+    needed_stretch,
+)
 from drake_blfdmp.robot.retargeting import retarget_motion
 from drake_blfdmp.robot.rigid import rigid
 from drake_blfdmp.robot.tracking import pose_error
@@ -213,3 +222,14 @@ def test_the_remedy_is_the_callers(reach):
     with pytest.raises(TaskError, match=r"^reach: the arms cannot hold their palms 0\.30 m apart [^\n]*; stay near$"):
         away = {"scale": 1.0, "world": np.array([0.0, 3.0, 1.0])}
         find_reach(TIME, MOTION, ANCHOR, shrink_hands=True, remedy="stay near", **away, **SEARCH)
+
+
+def test_kept_limits_are_within_what_the_inverse_kinematics_keeps_and_no_elbow_is_straight():
+    kept, elbows = kept_limits(LIMITS, KINEMATICS), [3, 10]
+    np.testing.assert_allclose(kept.lower, LIMITS.lower + JOINT_MARGIN)
+    others = np.delete(np.arange(14), elbows)
+    np.testing.assert_allclose(kept.upper[others], LIMITS.upper[others] - JOINT_MARGIN)
+    np.testing.assert_allclose(kept.upper[elbows], KINEMATICS.straight_elbow - JOINT_MARGIN)
+    assert np.all(kept.upper[elbows] < LIMITS.upper[elbows] - JOINT_MARGIN)
+    assert DEFAULT_GAINS.limit_margin >= JOINT_MARGIN  # What is within is never left at run time.
+    np.testing.assert_array_equal(kept.velocity, LIMITS.velocity)

@@ -3,18 +3,17 @@
 At a sample a palm that faces a given way leaves an arm one freedom, the wrist's angle about the palm's normal, beside
 eight branches; the roll of the palm is joint 7's alone and moves no body. So an arm's postures are those on a grid of
 such angles, in closed form. Pairs of both arms' postures are joined from sample to sample and, as the palms may wait
-for the elbows, within a sample. What is asked for is less than a plan needs: elbows are where they like and take their
-time, bodies may touch, no margin from limits.
+for the elbows, within a sample. What is asked for is less than a plan needs: elbows are where they like, take their
+time and may turn as they like.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from drake_blfdmp.robot.box import TableParameters
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
-from drake_blfdmp.robot.plant import MakeKinematicPlant
+from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits, MakeKinematicPlant
 
 ANGLES = 72
 """Of a wrist about the palm's normal that are looked at, all around."""
@@ -24,88 +23,97 @@ ALIKE = 0.3
 singular.
 """
 
-Sample = tuple[np.ndarray, np.ndarray, float]
-"""The middle between the palms (3,), m in W, the direction (3,) from left to right, and the palms' distance, m."""
-
 Postures = tuple[np.ndarray, np.ndarray]
 """An arm's postures (n, 7), joint 7 at 0, rad, and their angles and branches (n, 2)."""
 
 Pairs = tuple[list[Postures], np.ndarray]
 """Both arms' postures at a sample, and which pairs of them are free of overlap (n, m)."""
 
+Clear = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
+"""Of a sample, n postures of the left arm and m of the right one, the pairs (n, m) that keep clear (`Scene.clear`)."""
+
+_NOBODY: Postures = np.zeros((1, JOINTS_PER_ARM)), np.zeros((1, 2), dtype=int)
+"""An arm that stands still."""
+
 
 class JoinedPostures:
     """Looks for two arms' postures along a way."""
 
-    def __init__(self):
-        """Of the two arms as they stand."""
-        self._ik = ClosedFormIk(MakeKinematicPlant())
+    def __init__(self, limits: JointLimits | None = None, clearance: float = 0.0):
+        """Of joints within limits, or their own where None, and of arms that keep a clearance of each other, m."""
+        self._ik = ClosedFormIk(MakeKinematicPlant(), limits)
         self._angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
-        self._checker = ClearanceChecker(max_distance=0.02)
+        self._checker, self._clearance = ClearanceChecker(max_distance=0.02), clearance
         self._failed = 0
 
     def get_along(
-        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, tables: Sequence[TableParameters] = ()
+        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, around: Callable[[], Clear] | None = None
     ) -> bool:
         """Whether the arms get to the end of a way; args as of `reached`."""
-        return self.reached(middles, yaw, apart, tables) == len(middles)
+        return self.reached(middles, yaw, apart, around) == len(middles)
 
     def reached(
-        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, tables: Sequence[TableParameters] = ()
+        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, around: Callable[[], Clear] | None = None
     ) -> int:
         """How many samples the arms get along a way; all K only where they get to its end.
 
-        A sample without any posture counts as the first that is not got to, whatever lies before it.
+        A sample without any pair of postures counts as the first that is not got to, whatever lies before it.
 
         Args:
             middles: (K, 3) between the palms, m in W.
             yaw: (K,) of the line between the palms, left to right, rad.
             apart: (K,) the palms' distance, m.
-            tables: that the links do not get into.
+            around: makes what tells of sample k's postures which keep clear of what stands around; asked where it
+                matters.
         """
-        way, known = _way(middles, yaw, apart), {}
+        way, known = self._both(middles, yaw, apart), {}
+        # An arm that does not get along alone need not be looked at beside the other.
+        alone = min(_joined_up([([now[arm], _NOBODY], _all_free(now[arm], _NOBODY)) for now in way]) for arm in (0, 1))
+        if alone < len(way):
+            return alone
         # Where a way comes to an end its neighbours mostly do, too.
         for k in sorted(range(len(way)), key=lambda k: abs(k - self._failed)):
-            known[k] = self._free(way[k])
-            if not known[k][1].any():
+            free = ~self._checker.overlapping(*(q for q, _ in way[k]), self._clearance)
+            known[k] = way[k], free
+            if not free.any():
                 self._failed = k
                 return k
-        in_order = [known[k] for k in range(len(way))]
-        got = _joined_up(in_order)
-        if got < len(way):
+        pairs = [known[k] for k in range(len(way))]
+        got = _joined_up(pairs)
+        if around is None or got < len(way):
             return got
-        around = ClearanceChecker(tables, max_distance=0.02, among_arms=False)
-        return _joined_up([(now, free & _clear(around, *(q for q, _ in now))) for now, free in in_order])
+        clear, last = around(), len(way) - 1
+        if not self._kept(clear, last, pairs[last])[1].any():
+            return last
+        return _joined_up(self._kept(clear, k, one) for k, one in enumerate(pairs))
 
-    def _free(self, sample: Sample) -> Pairs:
-        now = self._both(sample)
-        postures = [q for q, _ in now]
-        free = np.zeros([len(q) for q in postures], dtype=bool)
-        return now, ~self._checker.overlapping(*postures) if free.size else free
+    @staticmethod
+    def _kept(clear: Clear, k: int, pairs: Pairs) -> Pairs:
+        """Sample k's without those that are not clear."""
+        now, free = pairs
+        return now, free & clear(k, *(q for q, _ in now))
 
-    def _both(self, sample: Sample) -> list[Postures]:
-        """Both arms' `_postures` at a sample."""
-        middle, normal, apart = sample
-        return [
-            self._postures(arm, middle + sign * 0.5 * apart * normal, -sign * normal)
-            for arm, sign in enumerate((-1.0, 1.0))
-        ]
+    def _both(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> list[list[Postures]]:
+        """Both arms' `_postures` at the samples of a way, as of `reached`."""
+        normals = np.stack([np.cos(yaw), np.sin(yaw), np.zeros(len(yaw))], axis=-1)
+        aside = 0.5 * np.asarray(apart)[:, None] * normals
+        arms = [self._postures(arm, middles + sign * aside, -sign * normals) for arm, sign in enumerate((-1.0, 1.0))]
+        return [list(sample) for sample in zip(*arms, strict=True)]
 
-    def _postures(self, arm: int, palm: np.ndarray, normal: np.ndarray) -> Postures:
-        q = self._ik.postures(arm, palm, normal, self._angles)
-        within = self._ik.within_limits(arm, q)
-        return q[within], np.argwhere(within)
-
-
-def _way(middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> list[Sample]:
-    """The samples of a way, as of `JoinedPostures.reached`."""
-    normals = np.stack([np.cos(yaw), np.sin(yaw), np.zeros(len(yaw))], axis=-1)
-    return list(zip(middles, normals, apart, strict=True))
+    def _postures(self, arm: int, palms: np.ndarray, normals: np.ndarray) -> list[Postures]:
+        """An arm's at each of K palms (K, 3), m in W, that face the ways (K, 3)."""
+        found = self._ik.postures(arm, palms, normals, self._angles)
+        inner = self._ik.within_limits(arm, found)
+        return [(q[within], np.argwhere(within)) for q, within in zip(found, inner, strict=True)]
 
 
-def _joined_up(samples: Sequence[Pairs]) -> int:
+def _all_free(*both: Postures) -> np.ndarray:
+    return np.ones([len(q) for q, _ in both], dtype=bool)
+
+
+def _joined_up(samples: Iterable[Pairs]) -> int:
     """How many samples are got to from the first, from pair to pair of those that are free."""
-    before, there = [], np.empty((0, 0), dtype=bool)
+    before, there, k = [], np.empty((0, 0), dtype=bool), -1
     for k, (now, free) in enumerate(samples):
         if k:
             left, right = (_joined(*two) for two in zip(before, now, strict=True))
@@ -116,7 +124,7 @@ def _joined_up(samples: Sequence[Pairs]) -> int:
         if not there.any():
             return k
         before = now
-    return len(samples)
+    return k + 1
 
 
 def _joined(one: Postures, other: Postures) -> np.ndarray:
@@ -125,8 +133,9 @@ def _joined(one: Postures, other: Postures) -> np.ndarray:
     turned = np.abs(places[:, None, 0] - other_places[:, 0])
     beside = np.minimum(turned, ANGLES - turned) <= 1
     same = places[:, None, 1] == other_places[:, 1]
-    alike = np.abs(q[:, None] - other_q).max(axis=-1, initial=0.0) <= ALIKE
-    return ((beside & same) | alike).astype(np.float32)
+    moved = np.abs(q[:, None] - other_q).max(axis=-1, initial=0.0)
+    # What differs by more than half a turn has a joint's limits on the way.
+    return ((beside & same & (moved < np.pi)) | (moved <= ALIKE)).astype(np.float32)
 
 
 def _grown(there: np.ndarray, free: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -137,12 +146,3 @@ def _grown(there: np.ndarray, free: np.ndarray, left: np.ndarray, right: np.ndar
             break
         there = more
     return there
-
-
-def _clear(around: ClearanceChecker, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Which pairs of n and m postures overlap nothing that stands around: (n, m)."""
-    clear = np.zeros((2, max(len(left), len(right))), dtype=bool)
-    for i in range(clear.shape[1]):
-        both = np.concatenate([left[min(i, len(left) - 1)], right[min(i, len(right) - 1)]])
-        clear[:, i] = around.link_clearances(both) >= 0.0
-    return clear[0, : len(left), None] & clear[1, : len(right)]

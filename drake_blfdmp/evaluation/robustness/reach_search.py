@@ -2,9 +2,9 @@
 
 Every posture there is, in closed form, over a grid of places and over scales. Only what every plan must do is asked:
 both palms flat on the box's sides at samples of the way, and at both ends as far apart as they open. The palms' rolls
-are free at every sample, no margin from limits is asked, elbows are where they like, bodies may overlap, and no posture
-need lead to the next. So where this search finds nothing, no plan follows the way. Where it finds something,
-`joined_postures` tells whether the arms get from one posture to the next.
+are free at every sample, elbows are where they like, bodies may overlap, and no posture need lead to the next. So where
+this search finds nothing, no plan follows the way. Where it finds something, `joined_postures` tells whether the arms
+get from one posture to the next.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
-from drake_blfdmp.robot.plant import MakeKinematicPlant
+from drake_blfdmp.robot.plant import JointLimits, MakeKinematicPlant
 
 REGION = (np.array([-0.84, -0.84, 0.0]), np.array([0.84, 1.08, 1.68]))
 """Corners of where the hands' middle is looked for at the grasp, m in W: as far around as arms reach."""
@@ -62,9 +62,9 @@ class Way:
 class ReachSearch:
     """Asks where two palms that face each other can be."""
 
-    def __init__(self, angles: int = ANGLES):
-        """So many `angles` of a wrist about its palm's normal are looked at."""
-        self._ik = ClosedFormIk(MakeKinematicPlant())
+    def __init__(self, angles: int = ANGLES, limits: JointLimits | None = None):
+        """Look at so many `angles` of a wrist about its palm's normal, of joints within limits (None: their own)."""
+        self._ik = ClosedFormIk(MakeKinematicPlant(), limits)
         self._angles = np.linspace(-np.pi, np.pi, angles, endpoint=False)
 
     def facing(self, middles, apart: float, yaw: float) -> np.ndarray:

@@ -2,31 +2,27 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.robustness.joined_postures import JoinedPostures
-from drake_blfdmp.evaluation.robustness.reach_search import ReachSearch, Way
+from drake_blfdmp.evaluation.robustness.reach_search import ReachSearch
 from drake_blfdmp.evaluation.robustness.trial import Trial
+from drake_blfdmp.evaluation.robustness.wanted_way import clear_of, every_other, wanted_way
 from drake_blfdmp.evaluation.simulation import Judge
 from drake_blfdmp.evaluation.studies.intervals import Proportion, proportion
 from drake_blfdmp.evaluation.study import Table
-from drake_blfdmp.planning.moved_carry import ShiftWindow
 from drake_blfdmp.planning.plan import MakePlan
-from drake_blfdmp.planning.planned import IndexAt
 from drake_blfdmp.planning.scenario import Scenario
-from drake_blfdmp.planning.sources import LoadSource, Source
-from drake_blfdmp.planning.supports import LEVEL_WITHIN, MakeSupports
-from drake_blfdmp.planning.task import BoxHands, MakeMotion, MakeTask, RollOutTask
-from drake_blfdmp.robot.box import BoxParameters, TableParameters
-from drake_blfdmp.skill.profiles import smooth_step
+from drake_blfdmp.planning.sources import LoadSource
+from drake_blfdmp.robot.kinematics import DualArmKinematics
+from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
+from drake_blfdmp.robot.reach_evaluation import kept_limits
 
 PLACES_TRIED = 4
 """How many of the places that the search finds for a yaw are given to the planner."""
-
-SAMPLES = 25
-"""Of the carry, that the arms must get along; every other one is searched for postures first."""
 
 SQUEEZES = (0.7, 0.8, 0.6, 0.9, 0.5, 0.4)
 """Of the force limit, what a box is squeezed with, likely ones first."""
@@ -67,35 +63,35 @@ class RefusalCheck:
 
 
 def check_reach(scenario: Scenario) -> tuple[bool, str]:
-    """Right where no place and no scale lets both palms carry the box along its way; see `reach_search`.
+    """Right where at no place and scale the palms carry the box along its way with what arms keep clear of.
 
-    What the search finds is given to the planner, place and scale fixed: a plan there that succeeds shows that the
-    refusal was wrong. Where none does, nothing is shown.
+    That is `kept_limits` and `retarget.clearance`, which the arms keep by construction, whatever the plan. What the
+    search finds is given to the planner, place and scale fixed: a plan there that succeeds shows that the refusal was
+    wrong. Where none does, nothing is shown.
     """
     source = LoadSource(scenario)
     fine, middle = wanted_way(scenario, source)
     apart = np.array([distances[0] for distances in fine.apart])
-    search, joined, looked_at, had, found = ReachSearch(), JoinedPostures(), 0, 0, []
+    plant = MakeKinematicPlant()
+    own = ReadJointLimits(plant, [plant.GetModelInstanceByName(arm) for arm in ARMS])
+    limits = kept_limits(own, DualArmKinematics(plant))
+    search, joined = ReachSearch(limits=limits), JoinedPostures(limits, scenario.retarget.clearance or 0.0)
+    looked_at, had, found = 0, 0, []
     for share in YAW_SHARES:  # As the planner may limit it.
         yaw = share * np.clip(fine.yaw, -LARGEST_YAW, LARGEST_YAW)
 
         def gets_along(place: np.ndarray, scale: float, yaw: np.ndarray = yaw) -> bool:
             middles = fine.middles(place, scale)
-            return joined.get_along(
-                middles, yaw, apart, tables_of(scenario, source, middles, yaw) if fine.level else ()
-            )
+            return joined.get_along(middles, yaw, apart, partial(clear_of, scenario, source, fine.level, middles, yaw))
 
         places, *counts = search.search(every_other(replace(fine, yaw=yaw)), most=PLACES_TRIED, joined=gets_along)
         looked_at, had = looked_at + counts[0], had + counts[1]
         found += [one for one in places if not any(_same(one, other) for other in found)]
     if not found:
-        there = f"postures at {had} of {looked_at} pairs of a place and a scale" if had else "no postures along the way"
-        but = (
-            ", but the arms overlap or jump on the way"
-            if had
-            else f" at any of {looked_at} pairs of a place and a scale"
-        )
-        return True, there + but
+        if not had:
+            return True, f"no postures along the way at any of {looked_at} pairs of a place and a scale"
+        there = f"postures at {had} of {looked_at} pairs of a place and a scale"
+        return True, f"{there}, but the arms jump, or get into each other, the box or a table on the way"
     told = ""
     for place, scale in found:
         # What counts is where the one end is, seen from the other: the place is free.
@@ -110,11 +106,6 @@ def check_reach(scenario: Scenario) -> tuple[bool, str]:
 
 def _same(one: tuple[np.ndarray, float], other: tuple[np.ndarray, float]) -> bool:
     return one[1] == other[1] and np.array_equal(one[0], other[0])
-
-
-def every_other(way: Way) -> Way:
-    """The way by half of its samples, the ends among them."""
-    return replace(way, apart=way.apart[::2], yaw=way.yaw[::2], way=way.way[::2], share=way.share[::2])
 
 
 def check_force(scenario: Scenario) -> tuple[bool, str]:
@@ -170,39 +161,6 @@ def run_anyway(
     if summary["success"] and greatest > force_limit:
         return False, f"carried, but with up to {greatest:.0f} N", ""
     return summary["success"], " ".join(summary["failures"]) or f"carried with up to {greatest:.0f} N", ""
-
-
-def tables_of(scenario: Scenario, source: Source, middles: np.ndarray, yaw: np.ndarray) -> list[TableParameters]:
-    """The table under both ends of a carry of which the hands' middle goes through (K, 3), m in W, turned by (K,)."""
-    shape = scenario.box
-    box = BoxParameters(source.dimensions.box_width or 0.0, shape.depth, shape.height, shape.mass, shape.friction)
-    ends = [np.append(middles[k] - [0.0, 0.0, scenario.task.grasp_above], yaw[k]) for k in (0, -1)]
-    return MakeSupports(*ends, box, same_level=True)
-
-
-def wanted_way(scenario: Scenario, source: Source) -> tuple[Way, np.ndarray]:
-    """What the carry asks for, and the hands' middle (3,) at the grasp, seen from between the shoulders, m."""
-    task = MakeTask(scenario, source, MakeMotion(scenario, source))
-    coupled = RollOutTask(scenario, task)
-    first, last = (IndexAt(coupled, t) for t in task.held)
-    k = np.linspace(first, last, SAMPLES).round().astype(int)
-    x = coupled.x[k]
-    middle, line = 0.5 * (x[:, 2] + x[:, 5]), x[:, 5] - x[:, 2]
-    level = bool(abs(middle[-1, 2] - middle[0, 2]) < LEVEL_WITHIN)
-    begin, end = ShiftWindow(coupled, task, level)
-    hands = BoxHands(scenario, task.skill, source.dimensions.box_width or 0.0)
-    closed, opened = float(np.max(hands.closed_m)), float(np.max(hands.open_m))
-    rest = IndexAt(coupled, scenario.timing.rest_s)
-    person = 0.5 * (coupled.x[rest:, 0] + coupled.x[rest:, 3]).mean(axis=0)
-    way = Way(
-        apart=((closed, opened), *((closed,) for _ in k[1:-1]), (closed, opened)),
-        yaw=np.arctan2(line[:, 1], line[:, 0]),
-        way=middle - middle[0],
-        share=smooth_step((coupled.t[k] - begin) / (end - begin))[0],
-        shift=np.subtract(scenario.task.place_offset, scenario.task.take_offset),
-        level=level,
-    )
-    return way, middle[0] - person
 
 
 def sample(trials: Sequence[Trial], rows: Sequence[Mapping], most: int) -> list[RefusalCheck]:

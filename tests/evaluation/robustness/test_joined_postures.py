@@ -4,13 +4,16 @@ import numpy as np
 import pytest
 
 from drake_blfdmp.evaluation.robustness.joined_postures import JoinedPostures, _grown, _joined, _joined_up
-from drake_blfdmp.robot.box import TableParameters
+from drake_blfdmp.robot.box import BoxParameters, TableParameters
+from drake_blfdmp.robot.elbow_paths import Scene
 from drake_blfdmp.robot.kinematics import DualArmKinematics
 from drake_blfdmp.robot.plant import ARMS, MakeKinematicPlant, ReadJointLimits
+from drake_blfdmp.robot.reach_evaluation import JOINT_MARGIN, kept_limits
 
 EASY = np.array([0.0, 0.47, 0.72])
 RISE = np.array([0.1, 0.05, 0.25])
 SAMPLES = 9
+SMALL = BoxParameters(width=0.1, depth=0.1, height=0.1)
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +37,7 @@ def test_postures_are_ones(joined, arm):
     own = slice(7 * arm, 7 * arm + 7)
     normal = np.array([np.cos(0.3), np.sin(0.3), 0.0]) * (1.0, -1.0)[arm]
     palm = EASY - 0.15 * normal
-    found, places = joined._postures(arm, palm, normal)
+    found, places = joined._postures(arm, palm[None], normal[None])[0]
     assert len(found) == len(places) >= 20  # Of many swivel angles.
     kinematics, q, swivels = DualArmKinematics(plant), np.zeros(14), []
     for posture in found:
@@ -61,7 +64,7 @@ def test_the_sample_that_is_out_of_reach_is_told(joined):
 
 def test_palms_that_are_nearly_one_are_arms_that_overlap(joined):
     """Both palms are reached, by postures that overlap."""
-    assert len(joined._postures(0, EASY, np.array([1.0, 0.0, 0.0]))[0])
+    assert len(joined._postures(0, EASY[None], np.array([[1.0, 0.0, 0.0]]))[0][0])
     assert reached(joined, along(EASY, EASY), apart=-0.12) < SAMPLES
 
 
@@ -71,9 +74,33 @@ def test_links_do_not_get_into_a_table(joined):
     yaw, apart = np.zeros(SAMPLES), np.full(SAMPLES, 0.3)
     below = TableParameters(name="table", top_center=(0.0, 0.47, 0.6), size=(0.3, 0.2))
     among = TableParameters(name="table", top_center=(0.0, 0.0, 0.8), size=(0.6, 0.2))
-    assert joined.get_along(middles, yaw, apart, [below])
-    assert not joined.get_along(middles, yaw, apart, [among])
+    for tables, gets_along in (([below], True), ([among], False)):
+        scene = Scene(tables, SMALL, np.tile([1.0, 0, 0, 0, 0, 3.0, 3.0], (SAMPLES, 1)), 0.0)
+        assert joined.get_along(middles, yaw, apart, lambda scene=scene: scene.clear) is gets_along
     assert joined.get_along(middles, yaw, apart)
+
+
+def test_links_do_not_get_into_the_box(joined):
+    middles = along(EASY, EASY + RISE)
+    yaw, apart = np.zeros(SAMPLES), np.full(SAMPLES, 0.3)
+    for big, gets_along in ((SMALL, True), (BoxParameters(width=0.3, depth=1.2, height=1.2), False)):
+        scene = Scene([], big, np.concatenate([np.tile([1.0, 0, 0, 0], (SAMPLES, 1)), middles], axis=-1), 0.0)
+        assert joined.get_along(middles, yaw, apart, lambda scene=scene: scene.clear) is gets_along
+
+
+def test_narrower_limits_and_a_clearance_are_kept():
+    """Less room leaves fewer postures, and arms that come near each other are too near."""
+    plant = MakeKinematicPlant()
+    limits = ReadJointLimits(plant, [plant.GetModelInstanceByName(name) for name in ARMS])
+    kept = kept_limits(limits, DualArmKinematics(plant))
+    palm, normal = EASY[None] - [0.15, 0.0, 0.0], np.array([[1.0, 0.0, 0.0]])
+    own, inner = (JoinedPostures(bounds)._postures(0, palm, normal)[0][0] for bounds in (None, kept))
+    assert 0 < len(inner) < len(own)
+    assert np.all(inner >= limits.lower[:7] + JOINT_MARGIN) and np.all(inner <= limits.upper[:7] - JOINT_MARGIN)
+    middles = along(EASY, EASY)
+    near, far = JoinedPostures(clearance=0.0), JoinedPostures(clearance=0.3)
+    assert reached(near, middles, apart=0.05) == SAMPLES
+    assert reached(far, middles, apart=0.05) == 0
 
 
 def postures(branches, angles, q):
@@ -85,6 +112,12 @@ def test_a_jump_is_none():
     here = postures([0, 0, 1], [3, 71, 5], [0.0, 1.0, 2.0])
     there = postures([0, 0, 0, 1], [4, 5, 0, 3], [0.9, 0.8, 3.0, 2.2])
     np.testing.assert_array_equal(_joined(here, there), [[1, 0, 0, 0], [1, 1, 1, 0], [0, 0, 0, 1]])
+
+
+def test_a_joint_does_not_pass_its_limits_on_the_way_round():
+    """From one end of its range to the other by less than a turn's rest, beside each other as the wrist goes."""
+    here, there = postures([0], [3], [2.8]), postures([0, 0], [4, 4], [-2.8, 0.5])
+    np.testing.assert_array_equal(_joined(here, there), [[0, 1]])
 
 
 def test_elbows_may_turn_while_the_palms_wait_as_far_as_the_pairs_are_free():
