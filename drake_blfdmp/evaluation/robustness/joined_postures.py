@@ -8,6 +8,7 @@ time and may turn as they like.
 """
 
 from collections.abc import Callable, Iterable
+from functools import cache, partial
 
 import numpy as np
 
@@ -66,26 +67,30 @@ class JoinedPostures:
             around: makes what tells of sample k's postures which keep clear of what stands around; asked where it
                 matters.
         """
-        way, known = self._both(middles, yaw, apart), {}
+        way, last = self._both(middles, yaw, apart), len(middles) - 1
         # An arm that does not get along alone need not be looked at beside the other.
         alone = min(_joined_up([([now[arm], _NOBODY], _all_free(now[arm], _NOBODY)) for now in way]) for arm in (0, 1))
         if alone < len(way):
             return alone
+        pairs = cache(partial(self._free, way))
         # Where a way comes to an end its neighbours mostly do, too.
-        for k in sorted(range(len(way)), key=lambda k: abs(k - self._failed)):
-            free = ~self._checker.overlapping(*(q for q, _ in way[k]), self._clearance)
-            known[k] = way[k], free
-            if not free.any():
-                self._failed = k
+        for k in (min(self._failed, last), last):
+            if not pairs(k)[1].any():
                 return k
-        pairs = [known[k] for k in range(len(way))]
-        got = _joined_up(pairs)
-        if around is None or got < len(way):
+        got = _joined_up(map(pairs, range(len(way))))
+        if got < len(way):
+            self._failed = got
             return got
-        clear, last = around(), len(way) - 1
-        if not self._kept(clear, last, pairs[last])[1].any():
+        if around is None:
+            return got
+        clear = around()
+        if not self._kept(clear, last, pairs(last))[1].any():
             return last
-        return _joined_up(self._kept(clear, k, one) for k, one in enumerate(pairs))
+        return _joined_up(self._kept(clear, k, pairs(k)) for k in range(len(way)))
+
+    def _free(self, way: list[list[Postures]], k: int) -> Pairs:
+        """Sample k's pairs, and which of them keep the clearance."""
+        return way[k], ~self._checker.overlapping(*(q for q, _ in way[k]), self._clearance)
 
     @staticmethod
     def _kept(clear: Clear, k: int, pairs: Pairs) -> Pairs:
