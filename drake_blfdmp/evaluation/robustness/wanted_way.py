@@ -56,7 +56,7 @@ def tables_of(
 ) -> list[TableParameters]:
     """The tables under both ends of a carry of which the hands' middle goes through (K, 3), m in W, turned by (K,).
 
-    None where the ends leave two tables no room, as the planner then moves the release.
+    Not any where the ends leave two tables no room, as the planner then moves the release.
     """
     ends = [np.append(middles[k] - [0.0, 0.0, scenario.task.grasp_above], yaw[k]) for k in (0, -1)]
     asked = Ends(middles[0], middles[-1], float(middles[:, 2].max()))
@@ -70,15 +70,12 @@ def clear_of(
 ) -> Callable[[int, np.ndarray, np.ndarray], np.ndarray]:
     """What stands around a carry, as `JoinedPostures.reached` asks for it; args as of `tables_of`.
 
-    The box counts all along, one table under both ends too. Two tables count at the ends only: between them a plan may
-    carry the box higher than the person.
+    The box counts all along, tables at the ends only: between them a plan may carry the box higher than the person.
     """
     shape = scenario.box
     box = BoxParameters(source.dimensions.box_width or 0.0, shape.depth, shape.height, shape.mass, shape.friction)
     pose = np.concatenate([line_frame(yaw, np.zeros_like(yaw))[0], middles], axis=-1)
     poses = BelowPalms(pose, scenario.task.grasp_above)
     at_ends = Scene(tables_of(scenario, box, level, middles, yaw), box, poses, 0.0)
-    if level:
-        return at_ends.clear
     between = Scene((), box, poses, 0.0)
     return lambda k, left, right: (at_ends if k in (0, len(middles) - 1) else between).clear(k, left, right)
