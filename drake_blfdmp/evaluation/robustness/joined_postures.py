@@ -7,14 +7,14 @@ for the elbows, within a sample. What is asked for is less than a plan needs: el
 time and may turn as they like.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial
 
 import numpy as np
 
 from drake_blfdmp.robot.clearance import ClearanceChecker
 from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
-from drake_blfdmp.robot.plant import JOINTS_PER_ARM, JointLimits, MakeKinematicPlant
+from drake_blfdmp.robot.plant import JointLimits, MakeKinematicPlant
 
 ANGLES = 72
 """Of a wrist about the palm's normal that are looked at, all around."""
@@ -33,8 +33,8 @@ Pairs = tuple[list[Postures], np.ndarray]
 Clear = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
 """Of a sample, n postures of the left arm and m of the right one, the pairs (n, m) that keep clear (`Scene.clear`)."""
 
-_NOBODY: Postures = np.zeros((1, JOINTS_PER_ARM)), np.zeros((1, 2), dtype=int)
-"""An arm that stands still."""
+_ALONE = np.ones((1, 1), dtype=np.float32)
+"""How an arm that is not there gets along."""
 
 
 class JoinedPostures:
@@ -47,15 +47,11 @@ class JoinedPostures:
         self._checker, self._clearance = ClearanceChecker(max_distance=0.02), clearance
         self._failed = 0
 
-    def get_along(
-        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, around: Callable[[], Clear] | None = None
-    ) -> bool:
+    def get_along(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, clear: Clear | None = None) -> bool:
         """Whether the arms get to the end of a way; args as of `reached`."""
-        return self.reached(middles, yaw, apart, around) == len(middles)
+        return self.reached(middles, yaw, apart, clear) == len(middles)
 
-    def reached(
-        self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, around: Callable[[], Clear] | None = None
-    ) -> int:
+    def reached(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray, clear: Clear | None = None) -> int:
         """How many samples the arms get along a way; all K only where they get to its end.
 
         A sample without any pair of postures counts as the first that is not got to, whatever lies before it.
@@ -64,14 +60,14 @@ class JoinedPostures:
             middles: (K, 3) between the palms, m in W.
             yaw: (K,) of the line between the palms, left to right, rad.
             apart: (K,) the palms' distance, m.
-            around: makes what tells of sample k's postures which keep clear of what stands around; asked where it
-                matters.
+            clear: tells of sample k's postures which keep clear of what stands around.
         """
         way, last = self._both(middles, yaw, apart), len(middles) - 1
-        # An arm that does not get along alone need not be looked at beside the other.
-        alone = min(_joined_up([([now[arm], _NOBODY], _all_free(now[arm], _NOBODY)) for now in way]) for arm in (0, 1))
-        if alone < len(way):
-            return alone
+        # An arm that does not get along alone need not be looked at beside the other, nor postures that lead nowhere.
+        alone, arms = zip(*(_on_the_way(list(samples)) for samples in zip(*way, strict=True)), strict=True)
+        if min(alone) < len(way):
+            return min(alone)
+        way = [list(sample) for sample in zip(*arms, strict=True)]
         pairs = cache(partial(self._free, way))
         # Where a way comes to an end its neighbours mostly do, too.
         for k in (min(self._failed, last), last):
@@ -81,9 +77,8 @@ class JoinedPostures:
         if got < len(way):
             self._failed = got
             return got
-        if around is None:
+        if clear is None:
             return got
-        clear = around()
         if not self._kept(clear, last, pairs(last))[1].any():
             return last
         return _joined_up(self._kept(clear, k, pairs(k)) for k in range(len(way)))
@@ -96,7 +91,12 @@ class JoinedPostures:
     def _kept(clear: Clear, k: int, pairs: Pairs) -> Pairs:
         """Sample k's without those that are not clear."""
         now, free = pairs
-        return now, free & clear(k, *(q for q, _ in now))
+        some = [np.flatnonzero(free.any(axis=1 - arm)) for arm in (0, 1)]
+        if min(map(len, some)):
+            kept = free.copy()
+            kept[np.ix_(*some)] &= clear(k, *(q[rows] for (q, _), rows in zip(now, some, strict=True)))
+            free = kept
+        return now, free
 
     def _both(self, middles: np.ndarray, yaw: np.ndarray, apart: np.ndarray) -> list[list[Postures]]:
         """Both arms' `_postures` at the samples of a way, as of `reached`."""
@@ -112,8 +112,25 @@ class JoinedPostures:
         return [(q[within], np.argwhere(within)) for q, within in zip(found, inner, strict=True)]
 
 
-def _all_free(*both: Postures) -> np.ndarray:
-    return np.ones([len(q) for q, _ in both], dtype=bool)
+def _on_the_way(samples: list[Postures]) -> tuple[int, list[Postures]]:
+    """How many samples an arm alone gets to from the first; and of each the postures that lie on a way to the last."""
+    forth = _passed(samples)
+    got = next((k for k, reached in enumerate(forth) if not reached.any()), len(samples))
+    if got < len(samples):
+        return got, samples
+    both = [one & other for one, other in zip(forth, reversed(_passed(samples[::-1])), strict=True)]
+    return got, [(q[kept], places[kept]) for (q, places), kept in zip(samples, both, strict=True)]
+
+
+def _passed(samples: Sequence[Postures]) -> list[np.ndarray]:
+    """Which postures of each sample an arm alone gets to from the first one's."""
+    passed, before, there = [], samples[0], np.ones(len(samples[0][0]), dtype=bool)
+    for now in samples:
+        there = (there.astype(np.float32) @ _joined(before, now)) > 0
+        there = _grown(there[:, None], np.ones((len(there), 1), dtype=bool), _joined(now, now), _ALONE)[:, 0]
+        passed.append(there)
+        before = now
+    return passed
 
 
 def _joined_up(samples: Iterable[Pairs]) -> int:

@@ -15,6 +15,7 @@ import numpy as np
 
 from drake_blfdmp.robot.closed_form_ik import ClosedFormIk
 from drake_blfdmp.robot.plant import JointLimits, MakeKinematicPlant
+from drake_blfdmp.skill.profiles import smooth_step
 
 REGION = (np.array([-0.84, -0.84, 0.0]), np.array([0.84, 1.08, 1.68]))
 """Corners of where the hands' middle is looked for at the grasp, m in W: as far around as arms reach."""
@@ -42,6 +43,8 @@ class Way:
         share: (K,) of the shift that is done there, from 0 to 1.
         shift: (3,) what the release is moved by in W, in addition, and the grasp is not, m.
         level: both ends are at one height.
+        over: how high over the higher end the hands are led, m: straight up, over and straight down, a third of the
+            samples each; None as the person leads them.
     """
 
     apart: tuple[tuple[float, ...], ...]
@@ -50,13 +53,20 @@ class Way:
     share: np.ndarray
     shift: np.ndarray
     level: bool
+    over: float | None = None
 
     def middles(self, grasp, scale: float) -> np.ndarray:
         """The hands' middle (K, 3), of that at the grasp, m in W."""
         shift = np.array(self.shift, dtype=float)
         if self.level:
             shift[2] = -scale * self.way[-1, 2]
-        return np.asarray(grasp) + scale * self.way + self.share[:, None] * shift
+        if self.over is None:
+            return np.asarray(grasp) + scale * self.way + self.share[:, None] * shift
+        end = scale * self.way[-1] + shift
+        top = max(0.0, end[2]) + self.over
+        u = 3.0 * np.linspace(0.0, 1.0, len(self.share))
+        up, across, down = (smooth_step(u - k)[0][:, None] for k in range(3))
+        return np.asarray(grasp) + across * [*end[:2], 0.0] + up * [0.0, 0.0, top] + down * [0.0, 0.0, end[2] - top]
 
 
 class ReachSearch:

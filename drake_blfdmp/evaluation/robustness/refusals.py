@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import product
 
 import numpy as np
 
 from drake_blfdmp.errors import BlfDmpError
 from drake_blfdmp.evaluation.robustness.joined_postures import JoinedPostures
-from drake_blfdmp.evaluation.robustness.reach_search import ReachSearch
+from drake_blfdmp.evaluation.robustness.reach_search import ReachSearch, Way
 from drake_blfdmp.evaluation.robustness.trial import Trial
 from drake_blfdmp.evaluation.robustness.wanted_way import clear_of, every_other, wanted_way
 from drake_blfdmp.evaluation.simulation import Judge
@@ -30,6 +30,10 @@ SQUEEZES = (0.7, 0.8, 0.6, 0.9, 0.5, 0.4)
 YAW_SHARES = (1.0, 0.5, 0.0)
 LARGEST_YAW = np.deg2rad(45.0)
 """Shares of the yaw of the person's hands, and the largest, rad."""
+
+OVER = (None, 0.15)
+"""Ways that are looked at: as the person leads the box, and straight up, over so high over the higher end, and down, m.
+"""
 
 
 @dataclass(frozen=True)
@@ -77,21 +81,22 @@ def check_reach(scenario: Scenario) -> tuple[bool, str]:
     limits = kept_limits(own, DualArmKinematics(plant))
     search, joined = ReachSearch(limits=limits), JoinedPostures(limits, scenario.retarget.clearance or 0.0)
     looked_at, had, found = 0, 0, []
-    for share in YAW_SHARES:  # As the planner may limit it.
-        yaw = share * np.clip(fine.yaw, -LARGEST_YAW, LARGEST_YAW)
+    for share, over in product(YAW_SHARES, OVER):  # As the planner may limit and lead it.
+        way = replace(fine, yaw=share * np.clip(fine.yaw, -LARGEST_YAW, LARGEST_YAW), over=over)
 
-        def gets_along(place: np.ndarray, scale: float, yaw: np.ndarray = yaw) -> bool:
-            middles = fine.middles(place, scale)
-            return joined.get_along(middles, yaw, apart, partial(clear_of, scenario, source, fine.level, middles, yaw))
+        def gets_along(place: np.ndarray, scale: float, way: Way = way) -> bool:
+            middles = way.middles(place, scale)
+            clear = clear_of(scenario, source, way.level, middles, way.yaw)
+            return clear is not None and joined.get_along(middles, way.yaw, apart, clear)
 
-        places, *counts = search.search(every_other(replace(fine, yaw=yaw)), most=PLACES_TRIED, joined=gets_along)
+        places, *counts = search.search(every_other(way), most=PLACES_TRIED, joined=gets_along)
         looked_at, had = looked_at + counts[0], had + counts[1]
         found += [one for one in places if not any(_same(one, other) for other in found)]
     if not found:
         if not had:
             return True, f"no postures along the way at any of {looked_at} pairs of a place and a scale"
         there = f"postures at {had} of {looked_at} pairs of a place and a scale"
-        return True, f"{there}, but the arms jump, or get into each other, the box or a table on the way"
+        return True, f"{there}, but the arms jump, or get into each other, the box or a table, or it into one"
     told = ""
     for place, scale in found:
         # What counts is where the one end is, seen from the other: the place is free.

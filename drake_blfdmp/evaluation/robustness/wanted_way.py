@@ -1,11 +1,14 @@
 """What a carry asks for, and what stands around it: what a refusal is looked at again with."""
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
+from drake_blfdmp.evaluation.robustness.joined_postures import Clear
 from drake_blfdmp.evaluation.robustness.reach_search import Way
+from drake_blfdmp.planning.box_path import table_gaps
+from drake_blfdmp.planning.carry import RAISED
 from drake_blfdmp.planning.moved_carry import ShiftWindow
 from drake_blfdmp.planning.planned import BelowPalms, IndexAt
 from drake_blfdmp.planning.scenario import Scenario
@@ -19,6 +22,9 @@ from drake_blfdmp.skill.profiles import smooth_step
 
 SAMPLES = 25
 """Of the carry, that the arms must get along; every other one is searched for postures first."""
+
+SUNK = RAISED
+"""How deep, m, the box may be led into a table: by so much the planner raises a way at last."""
 
 
 def wanted_way(scenario: Scenario, source: Source) -> tuple[Way, np.ndarray]:
@@ -65,17 +71,19 @@ def tables_of(
     return MakeSupports(*ends, box, level)
 
 
-def clear_of(
-    scenario: Scenario, source: Source, level: bool, middles: np.ndarray, yaw: np.ndarray
-) -> Callable[[int, np.ndarray, np.ndarray], np.ndarray]:
-    """What stands around a carry, as `JoinedPostures.reached` asks for it; args as of `tables_of`.
+def clear_of(scenario: Scenario, source: Source, level: bool, middles: np.ndarray, yaw: np.ndarray) -> Clear | None:
+    """What stands around a carry, its tables and its box, as `JoinedPostures.reached` asks for it.
 
-    The box counts all along, tables at the ends only: between them a plan may carry the box higher than the person.
+    Args as of `tables_of`.
+
+    Returns:
+        None where the box itself gets into a table.
     """
     shape = scenario.box
     box = BoxParameters(source.dimensions.box_width or 0.0, shape.depth, shape.height, shape.mass, shape.friction)
     pose = np.concatenate([line_frame(yaw, np.zeros_like(yaw))[0], middles], axis=-1)
-    poses = BelowPalms(pose, scenario.task.grasp_above)
-    at_ends = Scene(tables_of(scenario, box, level, middles, yaw), box, poses, 0.0)
-    between = Scene((), box, poses, 0.0)
-    return lambda k, left, right: (at_ends if k in (0, len(middles) - 1) else between).clear(k, left, right)
+    poses, tables = BelowPalms(pose, scenario.task.grasp_above), tables_of(scenario, box, level, middles, yaw)
+    if any(table_gaps(poses, box, table).min() < -SUNK for table in tables):
+        return None
+    scene = cache(lambda: Scene(tables, box, poses, 0.0))  # Made where it matters: it takes longer than to ask it.
+    return lambda k, left, right: scene().clear(k, left, right)

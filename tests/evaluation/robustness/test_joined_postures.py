@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from drake_blfdmp.evaluation.robustness.joined_postures import JoinedPostures, _grown, _joined, _joined_up
+from drake_blfdmp.evaluation.robustness.joined_postures import (
+    JoinedPostures,
+    _grown,
+    _joined,
+    _joined_up,
+    _on_the_way,
+)
 from drake_blfdmp.robot.box import BoxParameters, TableParameters
 from drake_blfdmp.robot.elbow_paths import Scene
 from drake_blfdmp.robot.kinematics import DualArmKinematics
@@ -76,7 +82,7 @@ def test_links_do_not_get_into_a_table(joined):
     among = TableParameters(name="table", top_center=(0.0, 0.0, 0.8), size=(0.6, 0.2))
     for tables, gets_along in (([below], True), ([among], False)):
         scene = Scene(tables, SMALL, np.tile([1.0, 0, 0, 0, 0, 3.0, 3.0], (SAMPLES, 1)), 0.0)
-        assert joined.get_along(middles, yaw, apart, lambda scene=scene: scene.clear) is gets_along
+        assert joined.get_along(middles, yaw, apart, scene.clear) is gets_along
     assert joined.get_along(middles, yaw, apart)
 
 
@@ -85,7 +91,25 @@ def test_links_do_not_get_into_the_box(joined):
     yaw, apart = np.zeros(SAMPLES), np.full(SAMPLES, 0.3)
     for big, gets_along in ((SMALL, True), (BoxParameters(width=0.3, depth=1.2, height=1.2), False)):
         scene = Scene([], big, np.concatenate([np.tile([1.0, 0, 0, 0], (SAMPLES, 1)), middles], axis=-1), 0.0)
-        assert joined.get_along(middles, yaw, apart, lambda scene=scene: scene.clear) is gets_along
+        assert joined.get_along(middles, yaw, apart, scene.clear) is gets_along
+
+
+def test_only_what_is_free_of_the_other_arm_is_asked_for_and_each_pair_keeps_its_own_answer():
+    free = np.zeros((4, 3), dtype=bool)
+    free[1, 0] = free[3, 0] = free[3, 2] = True
+    now = [postures(np.zeros(n, dtype=int), np.arange(n), np.arange(n)) for n in free.shape]
+    asked = []
+
+    def clear(k, left, right):
+        asked.append((k, left[:, 0].tolist(), right[:, 0].tolist()))
+        return np.array([[True, True], [False, True]])
+
+    kept = JoinedPostures._kept(clear, 7, (now, free))[1]
+    assert asked == [(7, [1.0, 3.0], [0.0, 2.0])]
+    np.testing.assert_array_equal(np.argwhere(kept), [[1, 0], [3, 2]])
+    assert free.sum() == 3  # It is another's, too.
+    nothing = np.zeros((4, 3), dtype=bool)
+    assert not JoinedPostures._kept(clear, 0, (now, nothing))[1].any() and len(asked) == 1
 
 
 def test_narrower_limits_and_a_clearance_are_kept():
@@ -141,6 +165,21 @@ def test_a_way_that_only_a_turning_elbow_gets_along_is_got_along():
     wall = all_free.copy()
     wall[4] = False
     assert _joined_up([(both, first), (both, wall), (both, last)]) == 2
+
+
+def test_an_arms_postures_that_lead_nowhere_are_left_out():
+    """Those of a branch that ends, and those beyond a gap; not those from which the elbow turns to the others."""
+    first = postures([0, 0, 0, 1], [0, 1, 2, 8], [0.0, 2.0, 4.0, 9.0])
+    middle = postures([0, 0, 0, 1], [0, 1, 5, 8], [0.0, 2.0, 6.0, 9.0])
+    last = postures([0, 0], [0, 6], [0.0, 7.0])
+    got, kept = _on_the_way([first, middle, last])
+    assert got == 3 and [places[:, 0].tolist() for _, places in kept] == [[0, 1, 2], [0, 1], [0]]
+    assert [q[:, 0].tolist() for q, _ in kept] == [[0.0, 2.0, 4.0], [0.0, 2.0], [0.0]]
+    samples = [first, middle, postures([0], [9], [20.0])]
+    got, kept = _on_the_way(samples)
+    assert got == 2 and kept is samples
+    assert _on_the_way([first, postures([], [], []), last])[0] == 1
+    assert _on_the_way([postures([], [], []), first])[0] == 0
 
 
 def test_where_another_way_failed_says_nothing_of_one_that_goes_well():

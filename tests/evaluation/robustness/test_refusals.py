@@ -101,6 +101,31 @@ def test_the_whole_way_counts_and_one_table_has_one_height(search):
         assert search.search(replace(EASY, way=way), spacing=0.3)[0] == []
 
 
+@pytest.mark.parametrize("level", [True, False])
+@pytest.mark.parametrize("scale", [0.5, 1.0])
+def test_a_box_may_be_led_straight_up_over_and_straight_down(level, scale):
+    """The ends stay where they are; between them it goes over the higher one, and over the ground only up there."""
+    count = 25
+    way = Way(
+        apart=((0.27, 0.40), *[(0.27,)] * (count - 2), (0.27, 0.40)),
+        yaw=np.zeros(count),
+        way=np.linspace([0.0, 0.0, 0.0], [0.1, 0.4, 0.03], count),
+        share=np.linspace(0.0, 1.0, count) ** 2,
+        shift=np.array([0.2, 0.1, -0.3]),
+        level=level,
+    )
+    grasp = np.array([0.1, 0.4, 0.7])
+    own, led = (replace(way, over=over).middles(grasp, scale) for over in (None, 0.15))
+    np.testing.assert_allclose(led[[0, -1]], own[[0, -1]], atol=1e-12)
+    top = max(own[0, 2], own[-1, 2]) + 0.15
+    assert np.all(led[:, 2] <= top + 1e-12) and np.all(np.diff(led[:, 1]) >= -1e-12)
+    across = slice(count // 3, -(count // 3))
+    np.testing.assert_allclose(led[across, 2], top)
+    np.testing.assert_allclose(led[: across.start, :2], np.tile(own[0, :2], (across.start, 1)), atol=1e-12)
+    np.testing.assert_allclose(led[across.stop :, :2], np.tile(own[-1, :2], (-across.stop, 1)), atol=1e-12)
+    assert all(np.ptp(part[:, 2]) > 0.1 for part in (led[: across.start], led[across.stop :]))
+
+
 def scenario_with(**offsets):
     scenario = Scenario()
     return replace(scenario, task=replace(scenario.task, **offsets))

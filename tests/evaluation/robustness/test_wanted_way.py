@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drake_blfdmp.evaluation.robustness.wanted_way import SAMPLES, clear_of, every_other, tables_of, wanted_way
+from drake_blfdmp.evaluation.robustness.wanted_way import SAMPLES, SUNK, clear_of, every_other, tables_of, wanted_way
 from drake_blfdmp.planning.scenario import Scenario
 from drake_blfdmp.planning.sources import LoadSource
 from drake_blfdmp.robot.box import BoxParameters
@@ -56,14 +56,16 @@ def test_where_two_tables_have_no_room_none_is_known():
 
 
 @pytest.mark.parametrize("level", [True, False])
-def test_tables_count_at_the_ends(level):
-    """One is where the left arm is: its base. It stands there at the other end, too."""
+@pytest.mark.parametrize(("begin", "clear"), [((-0.2, 0.0, 0.75), False), ((0.0, 0.45, 0.6), True)])
+def test_tables_stand_all_along(level, begin, clear):
+    """One under the first end may be where the left arm is, its base; it then stands there at the other end, too."""
     scenario = Scenario()
-    through = np.array([[-0.2, 0.0, 0.75], [0.0, 0.7, 0.9], [0.0, 1.4, 0.75 if level else 0.95]])
-    clear = clear_of(scenario, LoadSource(scenario), level, through, NO_YAW)
-    asked = [clear(k, STILL, STILL) for k in range(3)]
-    assert [one.shape for one in asked] == [(1, 1)] * 3
-    assert [bool(one[0, 0]) for one in asked] == [False, True, False]
+    over = np.array([begin, [0.0, 0.7, 0.9], [0.0, 1.4, begin[2] if level else 0.95]])
+    asked = clear_of(scenario, LoadSource(scenario), level, over, NO_YAW)
+    assert asked is not None
+    found = [asked(k, STILL, STILL) for k in (1, 2)]
+    assert [one.shape for one in found] == [(1, 1)] * 2
+    assert [bool(one[0, 0]) for one in found] == [clear, clear]
 
 
 def test_the_box_counts_all_along():
@@ -71,4 +73,18 @@ def test_the_box_counts_all_along():
     into = FAR.copy()
     into[1] = [-0.2, 0.0, 0.9]  # Where the left arm stands.
     clear = clear_of(scenario, LoadSource(scenario), False, into, NO_YAW)
+    assert clear is not None
     assert [bool(clear(k, STILL, STILL)[0, 0]) for k in range(3)] == [True, False, True]
+
+
+@pytest.mark.parametrize("level", [True, False])
+def test_a_box_that_is_led_through_a_table_is_on_no_way(level):
+    """A little deeper than it stands it may be: the planner leads it higher."""
+    scenario = Scenario()
+    source, way = LoadSource(scenario), FAR.copy()
+    way[1] = way[2] - [0.0, 0.1, 0.0]
+    for sunk, there in ((0.5 * SUNK, True), (1.5 * SUNK, False)):
+        way[1, 2] = way[2, 2] - sunk
+        if level:
+            way[:, 2] = 0.6 - sunk * np.array([0, 1, 0])
+        assert (clear_of(scenario, source, level, way, NO_YAW) is not None) is there
