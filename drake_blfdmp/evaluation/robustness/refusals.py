@@ -67,7 +67,7 @@ class RefusalCheck:
 
 
 def check_reach(scenario: Scenario) -> tuple[bool, str]:
-    """Right where at no place and scale the palms carry the box along its way with what arms keep clear of.
+    """Right where at no place and scale the palms carry the box along one of the ways `OVER`, clear of all that stands.
 
     That is `kept_limits` and `retarget.clearance`, which the arms keep by construction, whatever the plan. What the
     search finds is given to the planner, place and scale fixed: a plan there that succeeds shows that the refusal was
